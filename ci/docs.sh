@@ -173,5 +173,13 @@ for document in README.md CONTRIBUTING.md c_api/README.md doc/*.md; do
   done
 done >"$work/links"
 if [ -s "$work/links" ]; then fail "links: $(cat "$work/links")"; else pass; fi
+
+# files that the documents on the code name: from the root, or below src/gyroakf
+for document in CONTRIBUTING.md doc/architecture.md doc/performance.md; do
+  grep -oE '`[a-z_]+/[a-z_/]+\.(f90|sh|py|h|c|md|json)`' "$document" | tr -d '`' | sort -u | while read -r file; do
+    [ -e "$file" ] || [ -e "src/gyroakf/$file" ] || echo "$document: no $file"
+  done
+done >"$work/files"
+if [ -s "$work/files" ]; then fail "files: $(cat "$work/files")"; else pass; fi
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

@@ -16,7 +16,6 @@ module expectations
 contains
 
    subroutine check_logical(error, expression, message, more)
-      !> Failure
       type(error_type), allocatable, intent(inout) :: error
       logical, intent(in) :: expression
       character(*), intent(in), optional :: message, more
@@ -25,7 +24,6 @@ contains
    end subroutine check_logical
 
    subroutine check_real(error, actual, expected, message, more, thr, rel)
-      !> Failure
       type(error_type), allocatable, intent(inout) :: error
       real(dp), intent(in) :: actual, expected
       character(*), intent(in), optional :: message, more
@@ -37,7 +35,6 @@ contains
    end subroutine check_real
 
    subroutine check_integer(error, actual, expected, message, more)
-      !> Failure
       type(error_type), allocatable, intent(inout) :: error
       integer, intent(in) :: actual, expected
       character(*), intent(in), optional :: message, more
@@ -46,7 +43,6 @@ contains
    end subroutine check_integer
 
    subroutine check_long(error, actual, expected, message, more)
-      !> Failure
       type(error_type), allocatable, intent(inout) :: error
       integer(int64), intent(in) :: actual, expected
       character(*), intent(in), optional :: message, more
@@ -55,7 +51,6 @@ contains
    end subroutine check_long
 
    subroutine check_text(error, actual, expected, message, more)
-      !> Failure
       type(error_type), allocatable, intent(inout) :: error
       character(*), intent(in) :: actual, expected
       character(*), intent(in), optional :: message, more
@@ -65,7 +60,6 @@ contains
 
    !> Fails unless actual agrees with expected, relatively.
    subroutine agree(error, actual, expected, allowed, what)
-      !> Failure
       type(error_type), allocatable, intent(inout) :: error
       !> What came out, what should, the relative error allowed
       real(dp), intent(in) :: actual(:), expected(:), allowed
@@ -85,7 +79,6 @@ contains
 
    !> Fails unless the library refused, with this code.
    subroutine check_refused(error, problem, code)
-      !> Failure
       type(error_type), allocatable, intent(inout) :: error
       !> What the library said
       type(gyro_error), allocatable, intent(in) :: problem

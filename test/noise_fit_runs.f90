@@ -16,7 +16,6 @@ contains
 
    !> Fits a record; on failure of the library the test fails.
    subroutine fit_record(error, rate, interval, options, curve, noise, valid)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       !> The record
       real(dp), intent(in), contiguous :: rate(:)

@@ -15,7 +15,6 @@ module suite_runner
       subroutine collect_interface(testsuite)
          import :: unittest_type
          implicit none (type, external)
-         !> The tests
          type(unittest_type), allocatable, intent(out) :: testsuite(:)
       end subroutine collect_interface
    end interface

@@ -38,9 +38,7 @@ module test_adf
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_adf(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -62,7 +60,6 @@ contains
 
    !> Spot values of both response surfaces; the p-value on both sides of its seam and beyond its ends.
    subroutine test_mackinnon(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: p(7)
 
@@ -81,7 +78,6 @@ contains
    !> 1 2 1 3 1, no constant, no lag: levels 1 2 1 3, differences 1 -1 2 -2; rho = -5/15,
    !> RSS = 10 - 25/15, t = rho sqrt(15)/sqrt(RSS/3).
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -95,7 +91,6 @@ contains
 
    !> Eleven series, four regressions, three criteria: the lag, the statistic to 1e-12, the p-value.
    subroutine test_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -113,16 +108,11 @@ contains
                call check(error, .not. allocated(problem), what)
                if (allocated(error)) return
                call check(error, adf%lag == exact_lag(k, j, i) .and. adf%observations == 999 - adf%lag, what)
-               if (allocated(error)) return
                call close_to(error, adf%statistic, exact_statistic(k, j, i), tolerance, what)
-               if (allocated(error)) return
                call same(error, [adf%level, adf%noise_variance], [exact_level(k, j, i), exact_variance(k, j, i)], tolerance, what)
-               if (allocated(error)) return
                call same(error, [adf%p_value], [exact_p(k, j, i)], tail_tolerance, "p-value of "//what)
-               if (allocated(error)) return
                if (k <= 3) call same(error, [adf%criterion_value], [exact_criterion(k, j, i)], &
                                        merge(small_difference, tolerance, k == 3), "criterion of "//what)
-               if (allocated(error)) return
             end do
          end do
       end do
@@ -130,7 +120,6 @@ contains
 
    !> 12,000 samples, AIC.
    subroutine test_long(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -142,19 +131,15 @@ contains
             call check(error, .not. allocated(problem), long_names(i))
             if (allocated(error)) return
             call check(error, adf%lag, long_lag(j, i), long_names(i))
-            if (allocated(error)) return
             call close_to(error, adf%statistic, long_statistic(j, i), tolerance, long_names(i))
-            if (allocated(error)) return
             call same(error, [adf%p_value], [long_p(j, i)], tail_tolerance, long_names(i))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_long
 
    !> Relative to the value, however small it is.
    subroutine same(error, actual, expected, allowed, what)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> What came out, what should
       real(dp), intent(in) :: actual(:), expected(:)
       !> How far off it may be
@@ -172,8 +157,7 @@ contains
 
    !> Relative to the larger of 1 and the value.
    subroutine close_to(error, actual, expected, allowed, what)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> What came out, what should, how far off it may be
       real(dp), intent(in) :: actual, expected, allowed
       !> Which
@@ -218,7 +202,6 @@ contains
 
    !> Against the dense regression, lengths around the blocks.
    subroutine test_dense(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: length(4) = [60, 4097, 8200, 5001], lags(4) = [20, 3, 9, 60]
       type(adf_type) :: adf
@@ -235,7 +218,6 @@ contains
             call check(error, .not. allocated(problem), "it failed")
             if (allocated(error)) return
             call close_to(error, adf%statistic, dense_statistic(x, j - 1, lags(i), valid), 1.0e-11_dp, regressions(j))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_dense
@@ -243,7 +225,6 @@ contains
    !> With gaps: complete rows only, against the dense regression; what a gap holds does not matter;
    !> the lag is chosen so that rows are left.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -262,13 +243,11 @@ contains
             call check(error, .not. allocated(problem), "it failed")
             if (allocated(error)) return
             call close_to(error, adf%statistic, dense_statistic(x, j - 1, 7, valid), 1.0e-11_dp, regressions(j))
-            if (allocated(error)) return
          end do
          call run_adf(x, adf_options(), adf, problem, valid)
          call check(error, .not. allocated(problem), "the lag was not chosen")
          if (allocated(error)) return
          call close_to(error, adf%statistic, dense_statistic(x, 1, adf%lag, valid), 1.0e-11_dp, "chosen lag")
-         if (allocated(error)) return
       end do
       valid = 1_int8
       x = reference_series("ar1", 1000)
@@ -278,7 +257,6 @@ contains
 
    !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024: the same lag and statistic.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -292,9 +270,7 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, a%lag, b%lag)
-         if (allocated(error)) return
          call close_to(error, b%statistic, a%statistic, 1.0e-11_dp, regressions(j))
-         if (allocated(error)) return
       end do
       call run_adf(x, adf_options(regression="n"), a, problem)
       call run_adf(-x*2.0_dp**100, adf_options(regression="n"), b, problem)
@@ -303,7 +279,6 @@ contains
 
    !> 1e6 + 1e-3 ar1: the doubles hold 7 digits of the signal, and so does the statistic.
    subroutine test_large_offset(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -314,15 +289,12 @@ contains
          call check(error, .not. allocated(problem), "it failed")
          if (allocated(error)) return
          call check(error, adf%lag, 5)
-         if (allocated(error)) return
          call close_to(error, adf%statistic, exact_statistic(1, j, 5), 1.0e-7_dp, regressions(j))
-         if (allocated(error)) return
       end do
    end subroutine test_large_offset
 
    !> One and two threads give the same bits.
    subroutine test_threads(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -343,7 +315,6 @@ contains
 
    !> The verdict is the right way round.
    subroutine test_verdict(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -356,7 +327,6 @@ contains
 
    !> ceiling(12 (n/100)^(1/4)), less for short series and for gaps.
    subroutine test_most_lags(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer(int64), parameter :: length(6) = [1000_int64, 12000_int64, 100000000_int64, 20_int64, 4_int64, 100_int64]
       integer, parameter :: terms(6) = [1, 1, 1, 1, 3, 1], asked(6) = [-1, -1, -1, -1, -1, 70]
@@ -375,7 +345,6 @@ contains
 
    !> The lag is chosen for every series that lag 0 can be tested of: the most lags leave more rows than regressors.
    subroutine test_short(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(30)
       integer(int8) :: valid(30)
@@ -399,29 +368,23 @@ contains
 
    !> Constant, perfect line, perfect prediction: a status, no number.
    subroutine test_degenerate(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(200)
       integer :: i
 
       x = 1234.1_dp
       call refused(error, x, adf_options(), status%constant_input)
-      if (allocated(error)) return
       x = [(1.1_dp + 0.1_dp*real(i, dp), i=1, 200)]
       call refused(error, x, adf_options(regression="ct"), status%constant_input)
-      if (allocated(error)) return
       call refused(error, x, adf_options(), status%singular)
-      if (allocated(error)) return
       x = [(sin(real(i, dp)), i=1, 200)]
       call refused(error, x, adf_options(lags=4), status%singular)
-      if (allocated(error)) return
       x = [(real(2*mod(i, 2) - 1, dp), i=1, 200)]
       call refused(error, x, adf_options(lags=0), status%singular)
    end subroutine test_degenerate
 
    !> Each other error.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(30)
       integer(int8) :: valid(30)
@@ -430,31 +393,21 @@ contains
       valid = 1_int8
       valid(3::4) = 0_int8
       call refused(error, x, adf_options(regression="tc"), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, adf_options(criterion="fpe"), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, adf_options(lags=-2), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, adf_options(lags=14), status%too_few_samples)
-      if (allocated(error)) return
       call refused(error, x, adf_options(lags=29), status%too_few_samples)
-      if (allocated(error)) return
       call refused(error, x, adf_options(lags=huge(1)), status%too_few_samples)
-      if (allocated(error)) return
       call refused(error, x(:4), adf_options(), status%too_few_samples)
-      if (allocated(error)) return
       call refused(error, x, adf_options(lags=4), status%too_few_samples, valid)
-      if (allocated(error)) return
       call refused(error, x, adf_options(), status%invalid_argument, valid(:7))
-      if (allocated(error)) return
       valid = 0_int8
       call refused(error, x, adf_options(), status%too_few_samples, valid)
    end subroutine test_failures
 
    !> Fails unless the test is refused with the code.
    subroutine refused(error, x, options, code, valid)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Options

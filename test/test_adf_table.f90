@@ -29,9 +29,7 @@ module test_adf_table
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_adf_table(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -52,7 +50,6 @@ contains
    !> x = 0 1 0 2 1 3, no lags, constant: d = 1 -1 2 -1 2 on levels 0 1 0 2 1: slope (sum dl - 5 mean mean)/(sum ll - ...)
    !> = (-2 - 2.4)... level mean 0.8, d mean 0.6; Sll = 6 - 3.2 = 2.8, Sld = -1 - 2.4 + 2 = -1.4 => -0.5, constant 1.
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -108,7 +105,6 @@ contains
    !> Against the dense regression: a slope, a length where the trend is looked at roughly, gaps. 1e-9: the columns 1, s, s^2
    !> of the dense one cost it digits.
    subroutine test_dense(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: length(3) = [300, 4500, 9001], lags(3) = [4, 9, 2]
       real(dp), parameter :: allowed = 1.0e-9_dp
@@ -140,7 +136,6 @@ contains
 
    !> x + c: the constant is less by rho c, all else stays.
    subroutine test_offset(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: a, b
       type(gyro_error), allocatable :: problem
@@ -159,7 +154,6 @@ contains
 
    !> Without the option there is no table.
    subroutine test_only_when_asked(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -171,7 +165,6 @@ contains
    !> The autocovariances made on the way are those of a pass of their own: lengths around chunks, gaps, an offset; also where the
    !> test itself is refused.
    subroutine test_shared(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: length(4) = [60, 4097, 12289, 70001]
       type(autocovariance_type) :: shared
@@ -207,8 +200,7 @@ contains
 
    !> Fails unless both give the same.
    subroutine agree(error, x, shared, valid)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Filled
@@ -229,7 +221,6 @@ contains
 
    !> A pass of its own, its failures, and none where it is filled.
    subroutine test_shared_alone(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(autocovariance_type) :: shared
       type(moments_type) :: moments
@@ -254,7 +245,6 @@ contains
 
    !> A ramp with noise of 1e-9 of its slope: the sums of products cannot see it, the rows can.
    subroutine test_rows(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -282,7 +272,6 @@ contains
 
    !> 1, 3, 5, ...; the same with 1e-15 on it; a sinusoid without noise: refused, whatever the rounding.
    subroutine test_perfect(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -302,7 +291,6 @@ contains
 
    !> So many gaps that the rows of the shorter regression take another pass (few lags less), or none.
    subroutine test_many_gaps(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -327,7 +315,6 @@ contains
 
    !> More lags are asked for than a short series has.
    subroutine test_capped(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -342,7 +329,6 @@ contains
 
    !> A value that is not finite is found wherever it stands.
    subroutine test_non_finite(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(adf_type) :: adf
       type(gyro_error), allocatable :: problem
@@ -371,7 +357,6 @@ contains
 
    !> A long test can be cancelled.
    subroutine test_cancel(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(impatient_type) :: impatient
       type(adf_type) :: adf

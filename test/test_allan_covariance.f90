@@ -18,9 +18,7 @@ module test_allan_covariance
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_covariance(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -36,8 +34,7 @@ contains
 
    !> Fails unless the matrix agrees with the full sums.
    subroutine compare(error, squares, allowed)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> Q^2 N^2 B^2 K^2 R^2
       real(dp), intent(in) :: squares(5)
       !> Largest difference of a correlation

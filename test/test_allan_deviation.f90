@@ -22,9 +22,7 @@ module test_allan_deviation
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_deviation(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -56,7 +54,6 @@ contains
 
    !> The curve at these averaging times; stops the test on failure.
    subroutine curve_of(error, rate, interval, taus, curve, valid)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       !> The record
       real(dp), intent(in), contiguous :: rate(:)

@@ -18,9 +18,7 @@ module test_allan_freedom
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_freedom(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -34,8 +32,7 @@ contains
 
    !> Fails unless the degrees of freedom agree.
    subroutine expect(error, m, alpha, difference, modified, overlapped, expected)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> What is asked
       integer, intent(in) :: m, alpha, difference
       logical, intent(in) :: modified, overlapped
@@ -61,7 +58,6 @@ contains
       do j = 1, 4
          do i = 1, 3
             call expect(error, m(i), alpha(j), 2, .false., .true., expected(i, j))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_overlapping
@@ -77,11 +73,8 @@ contains
 
       do i = 1, 3
          call expect(error, m(i), 0, 2, .true., .true., modified(i))
-         if (allocated(error)) return
          call expect(error, m(i), 0, 3, .false., .true., hadamard(i))
-         if (allocated(error)) return
          call expect(error, m(i), 0, 2, .false., .false., plain(i))
-         if (allocated(error)) return
       end do
    end subroutine test_other_statistics
 
@@ -90,10 +83,8 @@ contains
 
       ! m = 500 has one estimate, which has one degree of freedom; two estimates of m = 499.5 would be all but equal
       call expect(error, 500, 2, 2, .false., .true., 1.0_dp)
-      if (allocated(error)) return
       ! m = 400: 201 estimates, r about one half: independent phases, so 201
       call expect(error, 400, 2, 2, .false., .true., 201.0_dp)
-      if (allocated(error)) return
       ! m = 300: 401 estimates, those m apart share a phase: a correlation of -4/6, whose square counts
       call expect(error, 300, 2, 2, .false., .true., 401/(1 + 2*(1 - 300/401.0_dp)*(4/6.0_dp)**2))
    end subroutine test_white_phase_short

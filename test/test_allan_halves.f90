@@ -17,9 +17,7 @@ module test_allan_halves
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_halves(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

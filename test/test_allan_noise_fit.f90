@@ -18,9 +18,7 @@ module test_allan_noise_fit
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_noise_fit(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

@@ -11,9 +11,7 @@ module test_allan_noise_model
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_noise_model(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [new_unittest("terms", test_terms)]

@@ -15,9 +15,7 @@ module test_allan_read_off
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_read_off(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

@@ -23,9 +23,7 @@ module test_allan_statistics
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_allan_statistics(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -56,7 +54,6 @@ contains
 
    !> The curve of a kind at these averaging times; stops the test on failure.
    subroutine curve_of(error, kind, rate, taus, curve, valid)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       !> Statistic
       character(*), intent(in) :: kind
@@ -161,8 +158,7 @@ contains
    !> Compares with rows of terms, lower limit, deviation, upper limit (68.3 %, white noise); five printed digits, and limits
    !> that the program computes to 6e-4.
    subroutine compare_rows(error, kind, taus, rows)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> Statistic and averaging times
       character(*), intent(in) :: kind, taus
       !> The printed table: [4, averaging times]

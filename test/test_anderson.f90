@@ -27,9 +27,7 @@ module test_anderson
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_anderson(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -65,7 +63,6 @@ contains
 
    !> The eleven series.
    subroutine test_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_type) :: ad
       integer :: i
@@ -81,7 +78,6 @@ contains
    !> Weights of 20 Leghorn chicks (Bliss), of 11 men (Snedecor), and 50 numbers of a telephone book (Conover): 0.214 and
    !> 0.947 in Stephens' chapter of D'Agostino & Stephens (1986); A*^2 = 0.339, p = 0.50 in the manual of IMSL's ADNRM.
    subroutine test_published(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: chicks(20) = [156.0_dp, 162.0_dp, 168.0_dp, 182.0_dp, 186.0_dp, 190.0_dp, 190.0_dp, 196.0_dp, &
          & 202.0_dp, 210.0_dp, 214.0_dp, 220.0_dp, 226.0_dp, 230.0_dp, 230.0_dp, 236.0_dp, 236.0_dp, 242.0_dp, 246.0_dp, 270.0_dp]
@@ -102,7 +98,6 @@ contains
 
    !> A sample 100 standard deviations out: its tail is 1e-2174, its logarithm a number.
    subroutine test_far_tails(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_type) :: ad
       real(dp) :: x(10001)
@@ -118,7 +113,6 @@ contains
 
    !> Ties are no trouble.
    subroutine test_two_valued(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_type) :: ad
       integer :: i
@@ -129,7 +123,6 @@ contains
 
    !> The four ranges meet nearly; beyond 10 p stays. Upper points of D'Agostino & Stephens (1986), Table 4.7.
    subroutine test_p_value(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: joint(3) = [0.2_dp, 0.34_dp, 0.6_dp]
       real(dp), parameter :: point(5) = [0.561_dp, 0.631_dp, 0.752_dp, 0.873_dp, 1.035_dp]
@@ -148,7 +141,6 @@ contains
 
    !> Powers of two are exact, and so is the offset for multiples of 1/1024; 1e6 + 1e-3 x to what the doubles hold.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -165,7 +157,6 @@ contains
 
    !> Missing samples count as if they were not there, also where the series is thinned.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -185,7 +176,6 @@ contains
 
    !> Every third sample of 3000, and the same samples alone.
    subroutine test_thinned(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -200,7 +190,6 @@ contains
 
    !> Rounding 70,000 normal samples to half a standard deviation gives what the formula says, to a tenth.
    subroutine test_rounding(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_type) :: ad
       real(dp), allocatable :: x(:)
@@ -212,7 +201,6 @@ contains
 
    !> Seven samples, a constant series, a limit of seven.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(anderson_darling_options) :: options
       type(anderson_darling_type) :: ad

@@ -17,7 +17,6 @@ module test_ar_roots
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_ar_roots(testsuite)
       !> Gets the tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
@@ -33,7 +32,6 @@ contains
 
    !> One real root, positive, negative, zero and outside the circle; order 0 has none.
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ar_root_type), allocatable :: root(:)
       type(gyro_error), allocatable :: problem
@@ -53,7 +51,6 @@ contains
 
    !> A pair r exp(+-i w): phi = 2 r cos w, -r^2.
    subroutine test_pair(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: r = 0.99_dp, f = 0.12_dp
       type(ar_root_type), allocatable :: root(:)
@@ -71,7 +68,6 @@ contains
 
    !> The polynomial of given roots: 0.95, -0.8, 0.7 exp(+-i pi/3), 0.3, 0; the largest comes first.
    subroutine test_known_roots(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       complex(dp) :: z(6), polynomial(0:6)
       type(ar_root_type), allocatable :: root(:)
@@ -93,7 +89,6 @@ contains
 
    !> z^12 = 1: twelve roots on the unit circle.
    subroutine test_circle(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: phi(12)
       type(ar_root_type), allocatable :: root(:)
@@ -108,7 +103,6 @@ contains
 
    !> Roots 1e-3 .. 1e3: balancing keeps the digits of the small ones.
    subroutine test_wide_range(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: z(4) = [1.0e3_dp, 10.0_dp, 0.1_dp, 1.0e-3_dp]
       real(dp) :: polynomial(0:4)
@@ -127,7 +121,6 @@ contains
 
    !> A coefficient that is not finite.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ar_root_type), allocatable :: root(:)
       type(gyro_error), allocatable :: problem

@@ -19,9 +19,7 @@ module test_ar_spectrum
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_ar_spectrum(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -33,7 +31,6 @@ contains
 
    !> Order 0: the density of white noise, its variance over the bandwidth.
    subroutine test_white(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ar_model_type) :: model
       type(gyro_error), allocatable :: problem
@@ -46,7 +43,6 @@ contains
 
    !> The variance that a Yule-Walker model gives back is r_0; the sum over a period of a smooth function is its integral.
    subroutine test_integral(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ar_model_type) :: model
       type(gyro_error), allocatable :: problem
@@ -62,7 +58,6 @@ contains
 
    !> A sinusoid in noise: the density has its peak there, at the frequency of the largest pair of roots.
    subroutine test_peak(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ar_model_type) :: model
       type(gyro_error), allocatable :: problem
@@ -80,7 +75,6 @@ contains
 
    !> One pass against autocovariances and moments of residuals written out, with gaps.
    subroutine test_residuals(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: phi(2) = [1.1_dp, -0.4_dp]
       real(dp) :: x(20000), e(19998), mean

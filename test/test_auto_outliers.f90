@@ -18,7 +18,6 @@ module test_auto_outliers
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_auto_outliers(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 

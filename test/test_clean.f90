@@ -19,9 +19,7 @@ module test_clean
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_clean(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -43,8 +41,7 @@ contains
 
    !> Fails where the cleaning did, or where it marked other samples than these.
    subroutine marks_are(error, result, problem, expected)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> The result
       type(clean_type), intent(in) :: result
       !> What the library said
@@ -63,7 +60,6 @@ contains
    !> White noise with four outliers, 3 sigma, degree 0. In exact arithmetic the first round removes
    !> 101 102 501 778, the second 156 462 621 756, the third none; standard deviation then 0.9553685748064595.
    subroutine test_pauta_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -74,7 +70,6 @@ contains
       x([101, 102, 501, 778]) = x([101, 102, 501, 778]) + [8.0_dp, -7.5_dp, 25.0_dp, 5.0_dp]
       call clean_series(x, clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
       call marks_are(error, result, problem, [101, 102, 156, 462, 501, 621, 756, 778])
-      if (allocated(error)) return
       call check(error, result%passes, 3)
       call check(error, result%trend%power(0), -0.03429698277755966_dp, thr=1.0e-14_dp)
       call check(error, sqrt(result%variance), 0.9553685748064595_dp, thr=1.0e-14_dp)
@@ -98,7 +93,6 @@ contains
 
    !> 12 of 12 and nothing else, by both robust methods.
    subroutine test_drifting_record(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -108,18 +102,15 @@ contains
       x = drifting_record()
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
       call marks_are(error, result, problem, place)
-      if (allocated(error)) return
       call check(error, result%variance, 1.0_dp, thr=0.1_dp)
       call check(error, maxval(abs(cleaned(place))), 0.0_dp, thr=tiny(x))
       call check(error, cleaned(100), x(100) - evaluate_trend(result%trend, 99_int64), thr=1.0e-12_dp)
-      if (allocated(error)) return
       call clean_series(x, clean_options(method="mad"), cleaned, mask, result, problem)
       call marks_are(error, result, problem, place)
    end subroutine test_drifting_record
 
    !> A spike of 1e9 hides others from a standard deviation; it does not from a median.
    subroutine test_masking(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -132,14 +123,12 @@ contains
       x(51) = x(51) - 9.0_dp
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
       call marks_are(error, result, problem, [50, 51, 2990])
-      if (allocated(error)) return
       call clean_series(x, clean_options(degree=-1, method="mad"), cleaned, mask, result, problem)
       call marks_are(error, result, problem, [50, 51, 2990])
    end subroutine test_masking
 
    !> Of 1e5 clean normal samples `auto` marks about half a one, 3 sigma about 300.
    subroutine test_false_alarms(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -157,7 +146,6 @@ contains
 
    !> The spike tilts the first trend, and good samples at the ends are marked; they come back.
    subroutine test_mark_comes_back(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -170,14 +158,12 @@ contains
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, result%removed > 1 .and. .not. result%converged, "the first round was right already")
-      if (allocated(error)) return
       call clean_series(x, clean_options(degree=9, method="mad"), cleaned, mask, result, problem)
       call marks_are(error, result, problem, [400])
    end subroutine test_mark_comes_back
 
    !> A third of the record is ten times as noisy: that is no outlier. A tenth replaced by zeros is.
    subroutine test_disturbed_stretch(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -198,7 +184,6 @@ contains
 
    !> Integers with a heavy tail, on which the marks by median and MAD go to and fro, and those of Hampel's filter: the rounds end.
    subroutine test_to_and_fro(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
       integer, parameter :: half_width(3) = [5, 25, 100000]
@@ -229,7 +214,6 @@ contains
 
    !> Offset 2^30 and scale 2^-40, exact for multiples of 1/4096, change no mark.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), a(:), b(:)
       integer(int8), allocatable :: mask(:)
@@ -240,13 +224,11 @@ contains
       call clean_series(x, clean_options(), a, mask, result, problem)
       call clean_series((x + 2.0_dp**30)*2.0_dp**(-40), clean_options(), b, mask, result, problem)
       call marks_are(error, result, problem, place)
-      if (allocated(error)) return
       call check(error, maxval(abs(b*2.0_dp**40 - a)), 0.0_dp, thr=1.0e-10_dp)
    end subroutine test_offset_scale
 
    !> Nine of ten samples on one level: MAD 0. The neighboring levels stay, the spike goes.
    subroutine test_quantised(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -259,13 +241,11 @@ contains
          x(1000) = 0.5_dp
          call clean_series(x, clean_options(degree=0, method=merge("mad ", "auto", i == 1)), cleaned, mask, result, problem)
          call marks_are(error, result, problem, [1000])
-         if (allocated(error)) return
       end do
    end subroutine test_quantised
 
    !> A constant series, at any offset and degree, has no outlier; nor has a straight line.
    subroutine test_constant(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
       real(dp) :: x(500)
@@ -290,7 +270,6 @@ contains
 
    !> Samples that were missing before stay missing and are no outliers; what they hold does not matter.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: valid(:), mask(:)
@@ -303,19 +282,16 @@ contains
       where (valid == 0_int8) x = 1.0e5_dp
       call clean_series(x, clean_options(), cleaned, mask, result, problem, valid)
       call marks_are(error, result, problem, place)
-      if (allocated(error)) return
       call check(error, all(mask == 0_int8 .eqv. (valid == 0_int8 .or. mask /= valid)), "the mask")
       call check(error, count(mask == 0_int8), count(valid == 0_int8) + 12)
       call check(error, maxval(abs(cleaned), mask=mask == 0_int8), 0.0_dp, thr=tiny(x))
       call check(error, abs(result%mean) < 0.01_dp .and. abs(result%variance - 1.0_dp) < 0.1_dp, "mean or variance")
-      if (allocated(error)) return
       call clean_series(x, clean_options(method="none"), cleaned, mask, result, problem, valid)
       call check(error, count(mask /= valid), 0)
    end subroutine test_missing
 
    !> Method none and degree -1: the series itself, no mask.
    subroutine test_nothing_removed(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -334,7 +310,6 @@ contains
 
    !> Ten samples: 3 standard deviations are out of reach ((n-1)/sqrt(n) = 2.85), eleven suffice.
    subroutine test_short(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(11)
       real(dp), allocatable :: cleaned(:)
@@ -353,7 +328,6 @@ contains
 
    !> Each error.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(4)
       integer(int8) :: valid(4)
@@ -361,26 +335,18 @@ contains
       x = [1.0_dp, 2.0_dp, 1.0_dp, 3.0_dp]
       valid = 0_int8
       call refused(error, x, clean_options(method="hampel", half_width=0), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, clean_options(method="best"), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, clean_options(threshold=-1.0_dp), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, clean_options(max_passes=0), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, clean_options(degree=10), status%invalid_argument)
-      if (allocated(error)) return
       call refused(error, x, clean_options(degree=4), status%too_few_samples)
-      if (allocated(error)) return
       call refused(error, x, clean_options(), status%too_few_samples, valid)
-      if (allocated(error)) return
       call refused(error, x, clean_options(), status%invalid_argument, valid(:2))
    end subroutine test_failures
 
    !> Fails unless the cleaning is refused with the code.
    subroutine refused(error, x, options, code, valid)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Options

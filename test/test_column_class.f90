@@ -44,7 +44,7 @@ contains
 
    !> Every name of a comma list has the class.
    subroutine expect(error, class, list)
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       integer, intent(in) :: class
       character(*), intent(in) :: list
       integer :: from, to

@@ -57,7 +57,7 @@ contains
 
    !> All ones of a record in one unit: stated values, SI values, SI units.
    subroutine check_ones(error, unit_name, expected, si, si_name)
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       character(*), intent(in) :: unit_name, si_name(5)
       real(dp), intent(in) :: expected(5), si
       type(stated_noise_type) :: stated
@@ -79,7 +79,6 @@ contains
       character(11), parameter :: si_name(5) = [character(11) :: "rad", "rad/sqrt(s)", "rad/s", "rad/s^1.5", "rad/s^2"]
 
       call check_ones(error, "deg/h", [1.0_dp, 1/60.0_dp, 1.0_dp, 60.0_dp, 3600.0_dp], acos(-1.0_dp)/648000, si_name)
-      if (allocated(error)) return
       call check_ones(error, "rad/s", [206264.80624709636_dp, 3437.746770784939_dp, 206264.80624709636_dp, &
                                        12375888.374825781_dp, 742553302.4895469_dp], 1.0_dp, si_name)
    end subroutine test_rate
@@ -90,7 +89,6 @@ contains
       real(dp), parameter :: g = 9.80665_dp
 
       call check_ones(error, "mg", [g*1.0e-3_dp, 0.06_dp*g, 1.0e3_dp, 6.0e4_dp, 3.6e6_dp], g*1.0e-3_dp, si_name)
-      if (allocated(error)) return
       call check_ones(error, "m/s^2", [1.0_dp, 60.0_dp, 1/9.80665e-6_dp, 60/9.80665e-6_dp, 3600/9.80665e-6_dp], 1.0_dp, si_name)
    end subroutine test_acceleration
 

@@ -18,9 +18,7 @@ module test_correlation
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_correlation(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -36,7 +34,6 @@ contains
 
    !> 1 2 3 4: rho = 1/4, -3/10; pacf_2 = (-3/10 - 1/16)/(1 - 1/16).
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: c
       type(gyro_error), allocatable :: problem
@@ -53,7 +50,6 @@ contains
 
    !> The statistic at every lag is that of a test with so many lags; fitted parameters take degrees of freedom.
    subroutine test_every_lag(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: c
       type(ljung_box_type) :: lb
@@ -74,7 +70,6 @@ contains
 
    !> The last coefficient of every model; of an AR(2) process nothing is left from lag 3 on.
    subroutine test_partial(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: c
       type(gyro_error), allocatable :: problem
@@ -97,7 +92,6 @@ contains
 
    !> White noise stays within its limits at 95 % of the lags, a random walk does not; Bartlett's are wider.
    subroutine test_limits(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: c
       type(gyro_error), allocatable :: problem
@@ -114,7 +108,6 @@ contains
 
    !> As many lags as samples: the autocorrelations of a centred series sum up to -1/2.
    subroutine test_all_lags(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: c
       type(gyro_error), allocatable :: problem
@@ -128,7 +121,6 @@ contains
 
    !> An offset of 2^30 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024; few lags and many.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: a, b
       type(gyro_error), allocatable :: problem
@@ -146,7 +138,6 @@ contains
 
    !> Gaps: rho over present pairs; a mask of ones changes nothing.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: a, b
       type(gyro_error), allocatable :: problem
@@ -173,7 +164,6 @@ contains
 
    !> What has no correlation.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(1000)
 

@@ -159,7 +159,6 @@ contains
       do i = 1, size(text)
          call check(error, is_day_first(bytes_of(trim(text(i))), 1_int64, len_trim(text(i), int64)) .eqv. first(i), &
                     trim(text(i)))
-         if (allocated(error)) return
       end do
       call expect_error(error, "time,gx"//nl//"05/01/2026 12:00:00,1"//nl, "may have the day or the month first")
    end subroutine test_day_first
@@ -177,7 +176,7 @@ contains
 
    !> Reads four rows: 2 Hz, the values 1 to 4, whatever the columns look like.
    subroutine expect_rows(error, content, channels, options)
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       character(*), intent(in) :: content
       integer, intent(in) :: channels
       type(reader_options), intent(in), optional :: options
@@ -203,7 +202,7 @@ contains
 
    !> The message holds a text.
    subroutine expect_error(error, content, fragment)
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       character(*), intent(in) :: content, fragment
       type(record_type) :: record
       type(gyro_error), allocatable :: failed
@@ -241,7 +240,6 @@ contains
       end do
       do k = 1, 6
          call expect_rows(error, trim(row(k)), 1)
-         if (allocated(error)) return
       end do
    end subroutine test_columns
 
@@ -251,16 +249,11 @@ contains
 
       call expect_rows(error, "time,gx"//nl//"2026-05-01 12:00:00,1.5 # first"//nl//",2.5"//nl//"2026-05-01 12:00:01,3.5"//nl// &
                        """2026-05-01 12:00:01.500"",4.5"//nl, 1)
-      if (allocated(error)) return
       call expect_rows(error, "date;time;gx"//nl//"2026-05-01;12:00:00;1.5"//nl//"2026-05-01;;2.5"//nl// &
                        "2026-05-01;12:00:01;3.5"//nl//"2026-05-01;12:00:01.5;4.5"//nl//"2026-05-01;nan;5.5"//nl, 1)
-      if (allocated(error)) return
       call expect_error(error, "2026-05-01T12:00:00,1"//nl//"2026-05-01T12:00:61,2"//nl, "is not a date as in the first row")
-      if (allocated(error)) return
       call expect_error(error, "12:00:00,1"//nl//"noon,2"//nl, "is not a time of day as in the first row")
-      if (allocated(error)) return
       call expect_error(error, "1,1"//nl//"12:00,2"//nl, "the first row has a number in this column")
-      if (allocated(error)) return
       call expect_error(error, "time"//nl//"12:00"//nl//"12:01"//nl, "there is no column besides the time")
    end subroutine test_odd_rows
 
@@ -316,14 +309,10 @@ contains
 
       options%rate_hz = 2.0_dp
       call expect_rows(error, "1,25;1,5"//nl//"2;2,5"//nl//"0,5;3,5"//nl//"1;4,5"//nl, 2, options)
-      if (allocated(error)) return
       call expect_rows(error, "1,25 1,5"//nl//"2 2,5"//nl//"0,5 3,5"//nl//"1,0 4,5"//nl, 2, options)
-      if (allocated(error)) return
       options%decimal_comma = .true.
       call expect_rows(error, "1,5"//nl//"2,5"//nl//"3,5"//nl//"4,5"//nl, 1, options)
-      if (allocated(error)) return
       call expect_error(error, "1,5;2,3"//nl//"1.5;2.3"//nl, "this looks like a decimal comma")
-      if (allocated(error)) return
       call expect_error(error, "a;b;c"//nl//"1,5;2,3"//nl, "this looks like a decimal comma")
    end subroutine test_commas
 

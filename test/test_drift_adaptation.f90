@@ -15,9 +15,7 @@ module test_drift_adaptation
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_drift_adaptation(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

@@ -10,9 +10,7 @@ module test_error
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_error(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -24,7 +22,6 @@ contains
 
    !> The codes never change.
    subroutine test_codes(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       integer :: codes(0:14), i
@@ -40,7 +37,6 @@ contains
 
    !> Every code has a text of its own, any other number has none.
    subroutine test_texts(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       integer :: i, j
@@ -58,7 +54,6 @@ contains
 
    !> 0 done, 1 usage, 2 data or file, 3 numerical.
    subroutine test_exit_codes(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       integer, parameter :: expected(0:14) = [0, 2, 2, 2, 2, 2, 3, 3, 3, 2, 2, 2, 2, 3, 1]
@@ -71,7 +66,6 @@ contains
 
    !> The error holds what it was given, also when it replaces another one.
    subroutine test_fatal(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       type(gyro_error), allocatable :: problem

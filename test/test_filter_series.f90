@@ -21,9 +21,7 @@ module test_filter_series
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_filter_series(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

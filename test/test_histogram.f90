@@ -17,9 +17,7 @@ module test_histogram
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_histogram(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -62,7 +60,6 @@ contains
 
    !> Levels 0 1 1 2 2 2 3 3 4 with a step of 1: edges at -0.5, 0.5, ...; quartiles 1 and 3 ask for 2*2/9^(1/3) = 1.9, two steps.
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h
 
@@ -78,7 +75,6 @@ contains
 
    !> Quartiles of 1 .. 1000 are 250 and 750, within a cell: 2*500/10 = 100.
    subroutine test_width(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h
       integer :: i
@@ -91,7 +87,6 @@ contains
 
    !> Normal samples: chi-square of the bins that expect 20 or more is near their number.
    subroutine test_normal(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h
       real(dp) :: chi2
@@ -107,7 +102,6 @@ contains
 
    !> Quartiles of uniform samples, and of the same with two outliers of 1e9 that leave them in one cell.
    subroutine test_quartiles(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:)
       real(dp) :: q(2), far(2)
@@ -125,7 +119,6 @@ contains
 
    !> Far samples are counted in the end bins.
    subroutine test_outliers(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h
       real(dp), allocatable :: x(:)
@@ -140,7 +133,6 @@ contains
 
    !> A step of 0.15 standard deviations, where bins of the width asked for would hold 0, 1 or 2 levels by turns.
    subroutine test_no_comb(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h, comb
       real(dp), allocatable :: x(:)
@@ -164,7 +156,6 @@ contains
 
    !> The samples are off the grid since a trend was removed: whole steps still do.
    subroutine test_no_comb_trend(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h
       real(dp), allocatable :: x(:)
@@ -178,7 +169,6 @@ contains
 
    !> One level holds more than half of the samples: a bin for each level.
    subroutine test_coarse(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h
 
@@ -191,7 +181,6 @@ contains
 
    !> Never more bins than allowed, with and without a grid.
    subroutine test_bounded(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: h
       real(dp), allocatable :: x(:)
@@ -211,7 +200,6 @@ contains
 
    !> Missing samples count as if they were not there.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -231,7 +219,6 @@ contains
 
    !> Powers of two are exact, and so is the offset for multiples of 1/1024.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(histogram_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -248,7 +235,6 @@ contains
 
    !> A constant series, one sample, one bin, a negative step.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: x(3) = [1.0_dp, 2.0_dp, 4.0_dp]
 
@@ -268,7 +254,6 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       type(histogram_options), intent(in) :: options
       integer, intent(in) :: code
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: moments
       type(histogram_type) :: h

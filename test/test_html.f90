@@ -22,9 +22,7 @@ module test_html
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_html(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

@@ -49,9 +49,7 @@ module test_kpss
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_kpss(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -70,7 +68,6 @@ contains
 
    !> 1 2 4: residuals -4/3 -1/3 5/3, S = -4/3 -5/3 0; sum S^2 = 41/9, g_0 = 14/9, g_1 = -1/27.
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(kpss_type) :: kpss
       type(gyro_error), allocatable :: problem
@@ -85,7 +82,6 @@ contains
 
    !> Eleven series, five bandwidths, both regressions.
    subroutine test_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(kpss_type) :: kpss
       type(gyro_error), allocatable :: problem
@@ -109,7 +105,6 @@ contains
 
    !> 12000 samples, Hobijn's bandwidth; 21 lags by the old rule.
    subroutine test_longer_series(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(kpss_type) :: kpss
       type(gyro_error), allocatable :: problem
@@ -127,7 +122,6 @@ contains
 
    !> Against 30 digits; 0.46136 and its kin are the quantiles of Anderson & Darling.
    subroutine test_bridge(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: x(8, 2) = reshape([0.02_dp, 0.1_dp, 0.34730_dp, 0.46136_dp, 0.74346_dp, 1.16786_dp, 3.0_dp, &
          & 10.0_dp, 0.01_dp, 0.05_dp, 0.119_dp, 0.146_dp, 0.176_dp, 0.216_dp, 1.0_dp, 10.0_dp], [8, 2])
@@ -149,7 +143,6 @@ contains
 
    !> Interpolation within the table, and what is said at its ends.
    subroutine test_table(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(kpss_type) :: kpss
       type(gyro_error), allocatable :: problem
@@ -168,7 +161,6 @@ contains
 
    !> An offset of 2^30 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(kpss_type) :: a, b
       type(gyro_error), allocatable :: problem
@@ -187,7 +179,6 @@ contains
 
    !> A signal of 1e-3 on 1e6 keeps seven digits: its samples have no more.
    subroutine test_small_signal(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(kpss_type) :: a, b
       type(gyro_error), allocatable :: problem
@@ -206,7 +197,6 @@ contains
 
    !> Many lags, over blocks and threads, against the plain sums.
    subroutine test_windows(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer(int64), parameter :: lags(4) = [50_int64, 4095_int64, 5000_int64, 69999_int64]
       type(kpss_type) :: kpss
@@ -231,7 +221,6 @@ contains
 
    !> Gaps: the plain sums over present samples and pairs; half of all samples, a leading gap.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer(int64), parameter :: lags(3) = [0_int64, 6_int64, 40_int64]
       type(kpss_type) :: kpss, whole
@@ -284,7 +273,6 @@ contains
 
    !> The size of the effect is the height of a line, and of a parabola about a line; n does not matter.
    subroutine test_drift(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(kpss_type) :: kpss
       type(gyro_error), allocatable :: problem
@@ -300,7 +288,6 @@ contains
 
    !> What cannot be tested.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(30)
       integer(int8) :: valid(30)

@@ -51,9 +51,7 @@ module test_levinson
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_levinson(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -66,7 +64,6 @@ contains
 
    !> The autocovariances phi^k/(1 - phi^2) of AR(1) give back phi, 0, 0 and the variance 1.
    subroutine test_closed_form(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: phi(:, :), variance(:)
       type(gyro_error), allocatable :: problem
@@ -82,7 +79,6 @@ contains
 
    !> The eleven series. The random walk's matrix has a condition of 1e3.
    subroutine test_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: r(:), phi(:, :), variance(:)
       real(dp) :: mean
@@ -101,7 +97,6 @@ contains
 
    !> The same equations solved as a dense symmetric system.
    subroutine test_direct_solution(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: r(:), phi(:, :), variance(:), matrix(:, :), right(:, :)
       real(dp) :: mean
@@ -123,7 +118,6 @@ contains
 
    !> Coefficients do not feel the scale, variances do.
    subroutine test_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: r(0:3) = [2.0_dp, 1.2_dp, 0.9_dp, 0.1_dp]
       real(dp), allocatable :: phi(:, :), variance(:), phi2(:, :), variance2(:)
@@ -139,7 +133,6 @@ contains
 
    !> No variance; a sequence that is no autocovariance; a perfect sine; order 0 is no failure.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: phi(:, :), variance(:)
       type(gyro_error), allocatable :: problem

@@ -32,9 +32,7 @@ module test_moments
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_moments(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -49,7 +47,6 @@ contains
 
    !> 1 2 3 4 10: mean 4, deviations -3 -2 -1 0 6, powers 50, 180, 1394.
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: m
 
@@ -66,7 +63,6 @@ contains
 
    !> The eleven series; 1e4 + 1e-3 ar1 among them.
    subroutine test_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: m
       integer :: i
@@ -82,7 +78,6 @@ contains
 
    !> Adding 2^40 and scaling by 2^-30 are exact for this series of multiples of 1/16.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -98,7 +93,6 @@ contains
 
    !> Missing samples count as if they were not there, whatever their value.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -123,7 +117,6 @@ contains
 
    !> A million samples of a known sum: 0, 1, ..., 999 999, threaded.
    subroutine test_long(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: m
       real(dp), allocatable :: x(:)
@@ -144,7 +137,6 @@ contains
 
    !> No sample, one sample, no variance.
    subroutine test_few(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: m
       real(dp) :: x(3)

@@ -15,9 +15,7 @@ module test_noise_statements
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_noise_statements(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

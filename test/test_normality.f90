@@ -29,9 +29,7 @@ module test_normality
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_normality(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -46,7 +44,6 @@ contains
 
    !> -1 and 1: skewness 0, kurtosis 1, JB = 4/6 (2^2/4).
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(jarque_bera_type) :: jb
 
@@ -74,7 +71,6 @@ contains
 
    !> The eleven series; the statistic of a nearly normal series is a small difference.
    subroutine test_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(jarque_bera_type) :: jb
       integer :: i
@@ -88,7 +84,6 @@ contains
 
    !> Powers of two are exact, and so is the offset for multiples of 1/1024.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(jarque_bera_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -104,7 +99,6 @@ contains
 
    !> One sample; a constant series; samples whose squares are no numbers.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(moments_type) :: moments
       type(jarque_bera_type) :: jb
@@ -130,7 +124,6 @@ contains
 
    !> n = 8: sqrt(6 6/99) and sqrt(24 8 6 5/(81 11 13)).
    subroutine test_standard_errors(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call check(error, skewness_error(8_int64), sqrt(36.0_dp/99.0_dp), thr=tolerance, rel=.true.)
@@ -141,7 +134,6 @@ contains
 
    !> The table of the verdicts.
    subroutine test_verdicts(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call check(error, judge_normality(0.05_dp, 3.1_dp, 0.3_dp), "normal   ")
@@ -154,7 +146,6 @@ contains
    !> s = sqrt(3): Jarque-Bera accepts them, Anderson-Darling rejects them. The latter decides where all samples
    !> were tested and are not in coarse steps.
    subroutine test_deciding(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(2000)
       integer :: i

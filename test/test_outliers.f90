@@ -18,9 +18,7 @@ module test_outliers
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_outliers(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -38,7 +36,6 @@ contains
 
    !> Odd, even, ties, both zeros, all negative, one, huge and tiny.
    subroutine test_median_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call middle_is(error, [3.0_dp, -1.0_dp, 2.0_dp], 2.0_dp)
@@ -60,7 +57,6 @@ contains
 
    !> Checks one median.
    subroutine middle_is(error, x, expected)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       !> Series
       real(dp), intent(in), contiguous :: x(:)
@@ -77,7 +73,6 @@ contains
 
    !> Rank by counting, for every length to 60 and one that is threaded.
    subroutine test_median_sorted(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:)
       real(dp) :: median
@@ -104,7 +99,6 @@ contains
 
    !> Missing samples do not count.
    subroutine test_median_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
@@ -128,7 +122,6 @@ contains
    !> A length at which a sample brackets the middle: uniform, with ties, all but one the same, and with a period that a sample at
    !> even distances would see only one number of; the rank by counting.
    subroutine test_median_by_sample(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: n = 600001
       real(dp), allocatable :: x(:)
@@ -160,7 +153,6 @@ contains
 
    !> 1 2 4 7 11 about 4: distances 3 2 0 3 7.
    subroutine test_deviation(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: deviation
       type(gyro_error), allocatable :: problem
@@ -173,7 +165,6 @@ contains
 
    !> The threshold that a tenth of a sample of n normal ones exceeds on average; the others are constants.
    subroutine test_thresholds(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call check(error, default_threshold("auto", 1_int64), 1.6448536269514729_dp, thr=tolerance)
@@ -187,7 +178,6 @@ contains
    !> Of normal noise the scale is the standard deviation, to 3 of its errors 1.17/sqrt(n); 20 % of gross
    !> errors move it by a third, not by 1e6.
    subroutine test_robust(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:)
       real(dp) :: centre, scale
@@ -206,7 +196,6 @@ contains
 
    !> Smallest step between neighbors, not over a gap; 0 for a constant.
    subroutine test_step(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer(int8) :: valid(5)
       real(dp) :: x(5), low, high, step
@@ -226,7 +215,6 @@ contains
 
    !> Strictly beyond the limit is marked, within is unmarked, missing stays.
    subroutine test_marks(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer(int8) :: valid(5), inlier(5)
       integer(int64) :: changed, removed
@@ -244,7 +232,6 @@ contains
 
    !> An unknown method; the message names the others.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(gyro_error), allocatable :: problem
 

@@ -14,9 +14,7 @@ module test_quantisation
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_quantisation(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -48,7 +46,6 @@ contains
 
    !> 0 2 2 6: a step of 2 on 3 of 4 levels, standard deviation sqrt(19/3).
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: grid
 
@@ -62,7 +59,6 @@ contains
 
    !> Counts times a scale that is no binary number, 131 LSB per deg/s, on an offset of 1e4 steps.
    subroutine test_converter(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: grid
 
@@ -75,7 +71,6 @@ contains
 
    !> 24 bits: recognised, levels not counted.
    subroutine test_odd_step(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: grid
 
@@ -86,7 +81,6 @@ contains
 
    !> Real numbers, one of them off the grid, a constant.
    subroutine test_no_step(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: grid
       real(dp), allocatable :: x(:)
@@ -104,7 +98,6 @@ contains
 
    !> Normal samples rounded to one standard deviation: the correction finds it again, within the scatter of 70,000 samples.
    subroutine test_sheppard(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: grid
       type(moments_type) :: moments
@@ -119,7 +112,6 @@ contains
 
    !> Missing samples need not stand on the grid.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -137,7 +129,6 @@ contains
 
    !> 1e6 + 1e-3 x, the scale no power of two.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -152,7 +143,6 @@ contains
 
    !> A negative standard deviation.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(quantisation_type) :: grid
       type(gyro_error), allocatable :: problem

@@ -34,9 +34,7 @@ module test_quasi_newton
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_quasi_newton(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

@@ -102,11 +102,9 @@ contains
       do i = 1, 2
          call write_record(path(), record, header, digits(i), failure)
          call check_refused(error, failure, status%invalid_argument)
-         if (allocated(error)) return
       end do
       call write_record("no/such/directory/x.txt", record, header, 9, failure)
       call check_refused(error, failure, status%io)
-      if (allocated(error)) return
       call check(error, index(failure%message, "no/such/directory/x.txt") > 0)
    end subroutine test_failures
 

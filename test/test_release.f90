@@ -10,9 +10,7 @@ module test_release
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_release(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -22,7 +20,6 @@ contains
 
    !> The text and the number are made of the same three parts.
    subroutine test_numbers(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       character(32) :: text
@@ -34,7 +31,6 @@ contains
 
    !> fpm.toml, read from the directory in which fpm runs the tests, has the same version.
    subroutine test_manifest(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       character(*), parameter :: key = "version = """

@@ -377,7 +377,7 @@ contains
 
    !> The document agrees with doc/schema.json: types, and no key more or less.
    subroutine check_document(error, record, result)
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in), optional :: result
       type(json_item), allocatable :: items(:), schema(:)
@@ -420,11 +420,9 @@ contains
       call make_record(record, .true.)
       call make_result(record, result)
       call check_document(error, record, result)
-      if (allocated(error)) return
       call make_record(record, .false.)
       call fill_drift(record, result%channel(1))
       call check_document(error, record, result)
-      if (allocated(error)) return
       result%channel(1)%drift%found = .false.
       result%channel(1)%drift%errors_known = .false.
       result%channel(1)%available%drift_smoother = .false.

@@ -17,9 +17,7 @@ module test_selftest
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_selftest(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

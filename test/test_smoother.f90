@@ -110,7 +110,7 @@ contains
 
    !> Compares the smoother with the matrices.
    subroutine compare(error, model, slow, here, white)
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:), here(:)
       real(dp), intent(in), optional :: white(:)
@@ -164,7 +164,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], all_here())
-      if (allocated(error)) return
       call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here())
    end subroutine test_walk_and_noise
 
@@ -184,7 +183,6 @@ contains
       here = .true.
       here(:7) = .false.
       call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
-      if (allocated(error)) return
       call compare(error, model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
    end subroutine test_late_start
 
@@ -247,10 +245,8 @@ contains
       call fill_noise(25, z)
       call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift(:9), failed)
       call check_refused(error, failed, status%invalid_argument)
-      if (allocated(error)) return
       call smooth_drift(model_of([1.1_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
       call check_refused(error, failed, status%unstable)
-      if (allocated(error)) return
       z = ieee_value(1.0_dp, ieee_quiet_nan)
       call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
       call check_refused(error, failed, status%too_few_samples)

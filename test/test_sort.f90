@@ -13,9 +13,7 @@ module test_sort
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_sort(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [new_unittest("lengths", test_lengths), new_unittest("orders", test_orders), new_unittest("long", test_long)]
@@ -26,7 +24,6 @@ contains
       !> Integers of at most 1e5
       real(dp), intent(inout), contiguous :: x(:)
       character(*), intent(in) :: name
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(gyro_error), allocatable :: problem
       real(dp) :: sums(2)
@@ -42,7 +39,6 @@ contains
 
    !> 0 to 200 numbers, odd remainders at every level.
    subroutine test_lengths(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:)
       integer :: n, i
@@ -60,7 +56,6 @@ contains
 
    !> Ascending, descending, equal numbers.
    subroutine test_orders(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(1000)
       integer :: i
@@ -77,7 +72,6 @@ contains
 
    !> 100,003 numbers, by all threads.
    subroutine test_long(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: x(:)
 

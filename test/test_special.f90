@@ -19,9 +19,7 @@ module test_special
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_special(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -42,7 +40,6 @@ contains
 
    !> ln Gamma: exact values, and the intrinsic, whose errors are of the same size.
    subroutine test_ln_gamma(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: at(4) = [0.5_dp, 5.0_dp, 11.0_dp, 101.0_dp]
       real(dp) :: x, expected(4)
@@ -58,8 +55,7 @@ contains
 
    !> Fails unless actual agrees with expected, relatively.
    subroutine agree(error, actual, expected, allowed)
-      !> Failure
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       !> What came out
       real(dp), intent(in) :: actual(:)
       !> What should
@@ -76,7 +72,6 @@ contains
    end subroutine agree
 
    subroutine test_normal_cdf(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call agree(error, normal_cdf([-37.5_dp, -20.0_dp, -5.0_dp, -1.0_dp, 0.5_dp, 3.0_dp, 8.0_dp, 0.0_dp]), &
@@ -87,7 +82,6 @@ contains
 
    !> Both tails, on both sides of where the form changes; 40-digit values. The upper tail at 8 moves by 2 32 roundings.
    subroutine test_log_normal_cdf(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call agree(error, log_normal_cdf([-1.0e8_dp, -1.0e3_dp, -40.0_dp, -37.5_dp, -20.0_dp, -8.0_dp, -5.0_dp, -1.0_dp, -0.5_dp, &
@@ -101,7 +95,6 @@ contains
    end subroutine test_log_normal_cdf
 
    subroutine test_normal_quantile(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call agree(error, normal_quantile([1.0e-300_dp, 1.0e-20_dp, 0.001_dp, 0.1585_dp, 0.25_dp, 0.5000001_dp, 0.75_dp, &
@@ -113,7 +106,6 @@ contains
 
    !> cdf(quantile(p)) = p over the whole range; the centre is exactly 0.
    subroutine test_normal_round_trip(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: p(200)
       integer :: i
@@ -124,7 +116,6 @@ contains
    end subroutine test_normal_round_trip
 
    subroutine test_chi_square_small(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: x(9) = [0.25_dp, 0.001_dp, 3.5_dp, 1.0_dp, 0.02_dp, 60.0_dp, 39.5_dp, 10.0_dp, 130.0_dp]
       real(dp), parameter :: dof(9) = [0.5_dp, 0.5_dp, 1.0_dp, 3.0_dp, 3.3_dp, 12.0_dp, 41.0_dp, 41.0_dp, 41.0_dp]
@@ -138,7 +129,6 @@ contains
    end subroutine test_chi_square_small
 
    subroutine test_chi_square_large(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call agree(error, chi_square_cdf([1000.0_dp, 700.0_dp, 99500.0_dp], [1000.0_dp, 1000.0_dp, 1.0e5_dp]), &
@@ -153,7 +143,6 @@ contains
 
    !> Two degrees of freedom: exp(-x/2) exactly.
    subroutine test_chi_square_two(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(60)
       integer :: i
@@ -166,7 +155,6 @@ contains
    !> Where one method hands over to another the function is continuous: neighbors by the
    !> recurrence Q(a+1, x) = Q(a, x) + x^a exp(-x)/Gamma(a+1), across a = 10 and a = 20.
    subroutine test_chi_square_seams(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: a, x, term
       integer :: i, j
@@ -183,7 +171,6 @@ contains
    end subroutine test_chi_square_seams
 
    subroutine test_chi_square_quantile(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call agree(error, chi_square_quantile([0.02_dp, 0.9_dp, 0.1585_dp, 0.95_dp, 1.0e-10_dp, 0.975_dp], &
@@ -199,7 +186,6 @@ contains
    !> cdf(quantile(p)) = p, from 0.1 to 1e7 degrees of freedom, as far as the rounding of x allows:
    !> d ln F = z sqrt(dof/2) d ln x in the tails, z = 7.
    subroutine test_quantile_round_trip(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: p(9) = [1.0e-12_dp, 1.0e-3_dp, 0.1_dp, 0.3_dp, 0.5_dp, 0.7_dp, 0.9_dp, 0.999_dp, 1.0_dp - 1.0e-12_dp]
       real(dp) :: dof, x(9)
@@ -214,7 +200,6 @@ contains
    end subroutine test_quantile_round_trip
 
    subroutine test_digamma(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call agree(error, digamma([0.001_dp, 0.5_dp, 1.0_dp, 2.5_dp, 10.0_dp, 123.25_dp, 5.0e6_dp, -10.2_dp]), &
@@ -225,7 +210,6 @@ contains
 
    !> What happens at and beyond the edges of the domain.
    subroutine test_edges(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: nan, inf
 

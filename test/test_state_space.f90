@@ -19,9 +19,7 @@ module test_state_space
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_state_space(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

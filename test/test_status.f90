@@ -34,9 +34,7 @@ module test_status
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_status(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [new_unittest("every_code", test_every_code)]

@@ -10,9 +10,7 @@ module test_threads
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_threads(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [new_unittest("count", test_count)]
@@ -20,7 +18,6 @@ contains
 
    !> A parallel region has as many threads as are told; what cannot be is not set.
    subroutine test_count(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer :: before, threads, told
 

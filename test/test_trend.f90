@@ -19,9 +19,7 @@ module test_trend
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_trend(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -40,7 +38,6 @@ contains
 
    !> 1 2 4: slope 3/2, 7/3 in the middle.
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: trend
       real(dp) :: x(3)
@@ -77,7 +74,6 @@ contains
 
    !> A polynomial is its own trend, to 1e-12, at 300 000 samples and at degree + 1.
    subroutine test_exact_polynomials(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: trend
       real(dp), allocatable :: x(:)
@@ -107,7 +103,6 @@ contains
 
    !> Coefficients in powers of the sample index, as large as the trends of the paper.
    subroutine test_powers(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: c(0:3) = [2.0e-2_dp, -3.0e-6_dp, 5.0e-10_dp, -1.0e-14_dp]
       type(trend_type) :: trend
@@ -129,7 +124,6 @@ contains
 
    !> The same least-squares problem by Householder reflections on the Legendre polynomials.
    subroutine test_least_squares(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: n = 700, d = 6
       real(dp) :: x(n), matrix(n, 0:d), right(n, 1), work(1000), t(n)
@@ -155,7 +149,6 @@ contains
 
    !> Offset 2^40 and scale 2^-50: exact for multiples of 1/1024.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: a, b
       real(dp), allocatable :: x(:), y(:)
@@ -174,7 +167,6 @@ contains
 
    !> 1e6 + 1e-3 noise: what is left has the digits of the noise and the mean 0.
    subroutine test_large_offset(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: trend
       real(dp), allocatable :: x(:)
@@ -190,7 +182,6 @@ contains
 
    !> With gaps a polynomial is still its own trend, and the residuals of noise are orthogonal to it.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: trend
       real(dp), allocatable :: x(:)
@@ -220,7 +211,6 @@ contains
 
    !> Present only among the last 300 of 30 000 samples: the fit is good there.
    subroutine test_one_end_present(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: trend
       real(dp), allocatable :: x(:)
@@ -240,7 +230,6 @@ contains
 
    !> One and two threads give the same bits.
    subroutine test_threads(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -261,7 +250,6 @@ contains
 
    !> Degree -1 does nothing; a series of one sample has a mean.
    subroutine test_no_trend(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: trend
       real(dp) :: x(1)
@@ -282,7 +270,6 @@ contains
 
    !> Each error.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(trend_type) :: trend
       real(dp) :: x(4)
@@ -293,19 +280,14 @@ contains
       valid = [1_int8, 0_int8, 0_int8, 1_int8]
       call fit_trend(x, 10, trend, problem)
       call check_refused(error, problem, status%invalid_argument)
-      if (allocated(error)) return
       call fit_trend(x, -2, trend, problem)
       call check_refused(error, problem, status%invalid_argument)
-      if (allocated(error)) return
       call fit_trend(x, 4, trend, problem)
       call check_refused(error, problem, status%too_few_samples)
-      if (allocated(error)) return
       call fit_trend(x, 2, trend, problem, valid)
       call check_refused(error, problem, status%too_few_samples)
-      if (allocated(error)) return
       call fit_trend(x, 1, trend, problem, valid(:3))
       call check_refused(error, problem, status%invalid_argument)
-      if (allocated(error)) return
       x(2) = ieee_value(x(2), ieee_quiet_nan)
       call fit_trend(x, 1, trend, problem)
       call check_refused(error, problem, status%non_finite)

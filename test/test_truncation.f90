@@ -18,9 +18,7 @@ module test_truncation
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_truncation(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -35,7 +33,6 @@ contains
 
    !> sqrt(1 - 2 t phi(t)/(2 Phi(t) - 1)); the published 0.98657839 at 3, its limits t/sqrt(3) and 1, no seam at 1.
    subroutine test_deviation(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
 
       call check(error, truncated_deviation(3.0_dp), 0.98657839_dp, thr=0.5e-8_dp)
@@ -47,7 +44,6 @@ contains
 
    !> The published 0.98484619 and 0.31314 % of repeated passes; the first is single; below sqrt(3) nothing is left.
    subroutine test_cut(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: t
 
@@ -62,7 +58,6 @@ contains
 
    !> 0.26998 % of one pass; a tenth of a sample by the threshold for the length; Hampel's shares as simulated once, to 5 %.
    subroutine test_shares(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: n
 
@@ -81,7 +76,6 @@ contains
    !> White noise with four outliers of 8, -7.5, 25 and 5: one pass of 3 sigma about the mean 0.0037005521236921426 with the
    !> standard deviation 1.336484094041568 marks these alone, two passes four more.
    subroutine test_single_pass(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: place(8) = [101, 102, 501, 778, 156, 462, 621, 756]
       real(dp), allocatable :: x(:), cleaned(:)
@@ -106,7 +100,6 @@ contains
    !> Of 2e5 normal samples of variance 1 the corrected variance is the whole one's, to 3 of its errors
    !> sqrt(2/n); the plain one is not.
    subroutine test_corrected(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: n = 200000, rounds(2) = [1, 20]
       real(dp), parameter :: threshold(2) = [3.0_dp, 2.5_dp], three_errors = 3.0_dp*sqrt(2.0_dp/real(n, dp))
@@ -131,7 +124,6 @@ contains
 
    !> 3 sigma can reject nothing of ten samples, and it is said; of eleven it can.
    subroutine test_few_samples(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: x(11)
       real(dp), allocatable :: cleaned(:)
@@ -153,7 +145,6 @@ contains
 
    !> No rule's marks change with an offset of 2^20 on noise of 2^-10, or with the scale.
    subroutine test_invariance(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       character(6), parameter :: method(4) = [character(6) :: "hampel", "auto", "pauta", "mad"]
       real(dp), allocatable :: x(:), cleaned(:)

@@ -29,9 +29,7 @@ module test_two_pass
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_two_pass(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &

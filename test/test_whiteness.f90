@@ -33,9 +33,7 @@ module test_whiteness
 
 contains
 
-   !> The tests of this suite.
    subroutine collect_whiteness(testsuite)
-      !> The tests
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
 
       testsuite = [ &
@@ -49,7 +47,6 @@ contains
 
    !> 1 2 3 4: rho = 1/4, -3/10; Q = 4 6 (1/48 + 9/200).
    subroutine test_by_hand(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ljung_box_type) :: lb
       type(gyro_error), allocatable :: problem
@@ -65,7 +62,6 @@ contains
 
    !> The eleven series; a p-value moves by Q/2 times the rounding of Q.
    subroutine test_reference(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ljung_box_type) :: lb
       type(gyro_error), allocatable :: problem
@@ -85,7 +81,6 @@ contains
 
    !> An offset of 2^40 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024.
    subroutine test_offset_scale(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ljung_box_type) :: a, b
       real(dp), allocatable :: x(:)
@@ -101,7 +96,6 @@ contains
    !> An all-present mask changes nothing; white noise with 5 % and 40 % lost stays white, and AR(1)
    !> noise does not become it.
    subroutine test_missing(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ljung_box_type) :: a, b
       real(dp), allocatable :: x(:), u(:)
@@ -126,7 +120,6 @@ contains
 
    !> Fitted parameters cost degrees of freedom: with 4 lags and 2 parameters p = exp(-Q/2).
    subroutine test_fitted(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ljung_box_type) :: lb
       real(dp), allocatable :: r(:)
@@ -143,7 +136,6 @@ contains
 
    !> Each error.
    subroutine test_failures(error)
-      !> Failure
       type(error_type), allocatable, intent(out) :: error
       type(ljung_box_type) :: lb
       real(dp) :: x(5)

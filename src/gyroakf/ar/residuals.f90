@@ -71,6 +71,7 @@ contains
       if (stat == 0) allocate (pairs(0:max_lag), stat=stat)
       if (stat == 0) allocate (s(0:max_lag, 4), stat=stat)
       if (stat == 0) allocate (total(4*(max_lag + 1)), stat=stat)
+      if (stat == 0) allocate (sums%part(chunk_count(size(x, kind=int64))), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the sums of the residuals")
          return
@@ -78,7 +79,6 @@ contains
       call set_level(sums%level, mean, 0.0_dp)
       sums%phi = phi
       sums%constant = constant
-      allocate (sums%part(chunk_count(size(x, kind=int64))))
       call sum_chunks(sums, x, size(x, kind=int64), "residuals of the AR model", total, error, &
          & valid, progress)
       if (allocated(error)) return

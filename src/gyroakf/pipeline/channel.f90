@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Runs the stages of one channel in order; a failed stage is recorded, the others continue.
 !>
-!> Passes over the record and the memory held meanwhile: see CONTRIBUTING.md, "Passes over the record".
+!> Passes over the record and the memory held meanwhile: see doc/performance.md, "Passes over the record".
 module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status

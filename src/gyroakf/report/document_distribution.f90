@@ -5,7 +5,7 @@ module gyroakf_report_document_distribution
    use gyroakf_kinds, only : dp, int64
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_description, only : description_type
-   use gyroakf_report_verdicts, only : periodicity_text
+   use gyroakf_report_verdicts, only : level, periodicity_text, rejection_text
    use gyroakf_stats_histogram, only : histogram_type
    implicit none (type, external)
    private
@@ -69,6 +69,8 @@ contains
                    shown=.false.)
       associate (is => channel%available)
          if (out%opens("anderson_darling", is%anderson_darling, "Anderson-Darling")) then
+            call out%remark(rejection_text("normality", &
+                                           channel%anderson_darling%p_value < level))
             call out%put("statistic", channel%anderson_darling%statistic)
             call out%put("modified", channel%anderson_darling%modified)
             call out%put("p_value", channel%anderson_darling%p_value)

@@ -16,7 +16,7 @@ module gyroakf_report_verdicts
    !> Tests reject at this significance
    real(dp), parameter :: level = 0.05_dp
    !> No verdict is longer
-   integer, parameter :: remark_length = 400
+   integer, parameter :: remark_length = 500
    !> Fewer periods in a record are drift
    integer(int64), parameter :: fewest_periods = 5_int64
 

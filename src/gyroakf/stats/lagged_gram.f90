@@ -105,7 +105,7 @@ contains
       type(gram_type) :: longer
       integer(int64) :: n, begin, finish
       real(dp) :: work
-      integer :: k
+      integer :: k, stat
 
       if (lags == gram%lags) return
       n = size(x, kind=int64)
@@ -119,7 +119,11 @@ contains
             & progress=progress)
          return
       end if
-      allocate (gram%matrix(k, k))
+      allocate (gram%matrix(k, k), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
+         return
+      end if
       gram%matrix(:k - 1, :k - 1) = longer%matrix(:k - 1, :k - 1)
       gram%matrix(:k - 1, k) = longer%matrix(:k - 1, size(longer%matrix, 2))
       gram%matrix(k, :) = 0.0_dp
