@@ -103,15 +103,23 @@ contains
          end if
       end subroutine try_commands
 
+      !> The text that is tried.
+      subroutine set_head(text)
+         integer(int8), intent(in) :: text(:)
+
+         deallocate (head)
+         allocate (head, source=text)
+      end subroutine set_head
+
       !> Reads what a command makes of the head; names the command where that succeeds.
       subroutine try_text(command, text)
          character(*), intent(in) :: command
          integer(int8), intent(in) :: text(:)
          character(:), allocatable :: file
 
-         deallocate (head)
-         allocate (head, source=text)
+         call set_head(text)
          call try("", "")
+         call set_head(recording%lines%head)
          file = ""
          if (recording%path /= "-") file = " < "//shell_word(recording%path)
          if (list == "; ") list = list//command//file//" | gyroakf run -"

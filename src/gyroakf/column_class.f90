@@ -54,7 +54,7 @@ module gyroakf_column_class
    character(5), parameter :: acceleration_axes(10) = [character(5) :: "ax", "ay", "az", "gfx", "gfy", "gfz", "fx", "fy", &
       "fz", "a"]
    character(5), parameter :: magnetic_axes(8) = [character(5) :: "mx", "my", "mz", "bx", "by", "bz", "hx", "m"]
-   character(5), parameter :: quaternion_axes(5) = [character(5) :: "qw", "qx", "qy", "qz", "q"]
+   character(5), parameter :: quaternion_axes(7) = [character(5) :: "qw", "qx", "qy", "qz", "q", "mat", "dcm"]
    character(8), parameter :: temperature_units(8) = [character(8) :: "degc", "deg c", "c", "celsius", "kelvin", "k", &
       "degf", char(194)//char(176)//"c"]
    character(7), parameter :: magnetic_units(14) = [character(7) :: "ut", "mt", "nt", "tesla", "gauss", "mgauss", "ga", &
@@ -100,7 +100,8 @@ contains
       else
          found = class_of_words(word, joined)
          if (found == column_class%unknown .and. known%quantity == quantity%angle) found = column_class%angle
-         if (found == column_class%unknown .and. known%quantity == quantity%velocity) found = column_class%position
+         if (found == column_class%unknown .and. (known%quantity == quantity%velocity .or. &
+            any(["m ", "km", "cm", "mm", "ft"] == lower(unit)))) found = column_class%position
       end if
    end function class_of
 

@@ -70,6 +70,10 @@ contains
             analyzed_columns(pack(class(table%chosen), table%chosen /= table%time), input /= "rate")
       end associate
       if (.not. any(keep)) keep(:) = table%chosen /= table%time
+      if (input == "rate" .and. all(pack(table%class(table%chosen), keep) == column_class%angle)) then
+         call add_text(warnings, "the columns hold angles by their names and are read as rates; "// &
+                       "`input` angle takes their differences")
+      end if
       if (kind(1) /= rising .and. kind(1) /= even_time) return
       if (.not. keep(1) .or. count(keep) < 2 .or. .not. may(1)) return
       call add_text(warnings, label_of(table%names, table%chosen(1))// &

@@ -246,7 +246,7 @@ contains
       integer :: digits, ahead
 
       found = .true.
-      if (bytes(p) == blank) then
+      if (bytes(p) == blank .and. p + 6 <= size(bytes, kind=int64)) then
          if (all(bytes(p + 1) /= [plus, minus]) .or. .not. is_digit(bytes(p + 2))) return
          if (.not. all(is_digit(bytes(p + 3:p + 5)))) return
          if (all(bytes(p + 6) /= [comma, semicolon, tab])) return

@@ -36,7 +36,8 @@ module gyroakf_io_header
 
 contains
 
-   !> Takes in one comment line; lines without a known key are ignored.
+   !> Takes in one comment line; lines without a known key are ignored. A rate may stand behind other
+   !> keys and their values.
    subroutine read_comment(lines, header, warnings)
       !> At the line
       type(lines_type), intent(in) :: lines
@@ -44,25 +45,37 @@ contains
       type(header_type), intent(inout) :: header
       !> What could not be understood
       type(text_type), allocatable, intent(inout) :: warnings(:)
-      integer(int64) :: from, last, mark
+      integer(int64) :: first, from, last, mark
       character(:), allocatable :: key
 
       from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "// &
          achar(9))
-      do mark = from, lines%to
-         if (any(lines%bytes(mark) == iachar([":", "="]))) exit
+      first = from
+      do
+         do mark = from, lines%to
+            if (any(lines%bytes(mark) == iachar([":", "="]))) exit
+         end do
+         if (mark > lines%to .or. (from == first .and. mark - from > 32)) return
+         key = lower(bytes_text(lines%bytes, from, last_visible(lines%bytes, from, mark - 1)))
+         key = trim(adjustl(key(scan(key, ",;", back=.true.) + 1:)))
+         from = first_visible(lines%bytes, mark + 1, lines%to)
+         last = last_visible(lines%bytes, from, lines%to)
+         select case (key)
+         case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate", "data rate", "data_rate", &
+               "sample_rate", "sampling_rate", "sampling frequency")
+            call read_rate(lines, from, key, header, warnings)
+            return
+         case ("unit", "units")
+            if (mark > first + 6) cycle
+            call read_unit(lines, from, last, key, header, warnings)
+            return
+         case ("columns")
+            if (from <= last) call read_names(lines%bytes, from, last, lines%number, header%names)
+            return
+         case default
+            continue
+         end select
       end do
-      if (mark > lines%to .or. mark - from > 32) return
-      key = lower(bytes_text(lines%bytes, from, last_visible(lines%bytes, from, mark - 1)))
-      from = first_visible(lines%bytes, mark + 1, lines%to)
-      last = last_visible(lines%bytes, from, lines%to)
-      select case (key)
-      case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate")
-         call read_rate(lines, from, key, header, warnings)
-      case ("unit", "units"); call read_unit(lines, from, last, key, header, warnings)
-      case ("columns"); if (from <= last) call read_names(lines%bytes, from, last, lines%number, header%names)
-      case default; continue
-      end select
    end subroutine read_comment
 
    !> The first number of a value and the word behind it.
@@ -104,6 +117,7 @@ contains
       scale = time_scale(word)
       if (key == "dt" .and. scale > 0.0_dp) x = x*scale
       if (key /= "dt" .and. word == "khz") x = 1.0e3_dp*x
+      if (key /= "dt" .and. scale > 0.0_dp .and. x > 0.0_dp) x = 1.0_dp/(x*scale)
       if (.not. (x >= smallest_rate .and. x <= largest_rate)) then
          call warn(lines, first, key, "is not a positive number", warnings)
          return

@@ -61,7 +61,7 @@ contains
       type(marks_type), intent(out) :: marks
       integer(int64) :: p, to, i, pending
       character(1) :: sign, next
-      logical :: fresh
+      logical :: fresh, bar
 
       p = first
       fresh = .true.
@@ -70,10 +70,11 @@ contains
          sign = achar(iand(int(bytes(p)), 255))
          to = p
          next = achar(iand(int(bytes(min(p + 1, last))), 255))
+         bar = sign == "|"
+         if (bar) bar = parts(bytes, p, last)
          if (sign == ">" .and. (p == first .or. bytes(max(first, p - 1)) == iachar("-"))) then    ! ">gx:1", "->"
             fresh = p == first
-         else if (merge(fresh, parts(bytes, p, last), sign /= "|") .and. is_in(sign, opening//"|") &
-                  .or. is_in(sign, closing)) then
+         else if ((fresh .and. is_in(sign, opening)) .or. is_in(sign, closing) .or. bar) then
             if (marks%values > 0) pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p) = blank

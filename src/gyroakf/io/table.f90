@@ -136,7 +136,8 @@ contains
       if (size(table%chosen) > 0) return
       word = "every column holds dates or times of day"
       if (table%time > 0) word = "there is no column besides the time in "//label_of(table%names, table%time)
-      call fatal_error(error, status%parse, table%name//":"//integer_text(table%names%line)//":1: "//word//new_line("a")// &
+      call fatal_error(error, status%parse, table%name//":"// &
+                       integer_text(max(1_int64, table%names%line))//":1: "//word//new_line("a")// &
                        "a record needs a column of numbers besides the time")
    end subroutine choose
 

@@ -211,14 +211,14 @@ contains
       integer :: kind, rows
 
       scale = 0.0_dp
+      rows = int(min(size(stamps, kind=int64), 1000_int64))
+      step = (stamps(rows) - stamps(1))/max(1, rows - 1)
       kind = abs(table%layout%kind(table%time))
       if (kind /= stamp_kind%number .and. kind /= stamp_kind%long) then
          scale = 1.0_dp
       else if (allocated(options%time_unit)) then
          scale = time_scale(lower(options%time_unit))
       else if (table%names%known) then
-         rows = int(min(size(stamps, kind=int64), 1000_int64))
-         step = (stamps(rows) - stamps(1))/max(1, rows - 1)
          scale = named_scale(table%names%name(table%time)%text, &
                              table%names%unit(table%time)%text, step)
       end if
@@ -228,7 +228,8 @@ contains
          word = trim(words(1 - nint(log10(scale)/3.0_dp)))
          if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
             " names no unit and is taken as "//word//" by its step; `time_unit` "//word//" or a name such as time_"//word// &
-            " settles it")
+            " settles it"//trim(merge(", `time_column` none leaves it out where it counts rows", &
+                                      repeat(" ", 55), abs(step - 1.0_dp) < 1.0e-9_dp)))
       end if
    end subroutine find_scale
 
