@@ -253,6 +253,8 @@ contains
       options%unit = "rad/s"
       values = shown("# unit: deg/h"//nl//"1", options, record)
       call check(error, record%unit%name//" "//record%unit_source, "rad/s option")
+      values = shown("# unit: dogs"//nl//"1", options, record)
+      call check(error, record%unit%name//warned(record), "rad/s")
    end subroutine test_header_unit
 
    !> A comment whose words are as many as the columns names them: rostopic's and numpy's files have such a line.

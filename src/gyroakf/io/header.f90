@@ -30,6 +30,8 @@ module gyroakf_io_header
       type(unit_type) :: unit
       !> Of each column, as written: [column], with or without the time's; unallocated where it says none
       type(text_type), allocatable :: units(:)
+      !> What could not be understood of the units: of no account where the user gives one
+      type(text_type), allocatable :: unit_warnings(:)
       !> From the key `columns`
       type(column_names_type) :: names
    end type header_type
@@ -67,7 +69,7 @@ contains
             return
          case ("unit", "units")
             if (mark > first + 6) cycle
-            call read_unit(lines, from, last, key, header, warnings)
+            call read_unit(lines, from, last, key, header)
             return
          case ("columns")
             if (from <= last) call read_names(lines%bytes, from, last, lines%number, header%names)
@@ -131,12 +133,11 @@ contains
    end subroutine read_rate
 
    !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is `units`, one for each column.
-   subroutine read_unit(lines, first, last, key, header, warnings)
+   subroutine read_unit(lines, first, last, key, header)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: first, last
       character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
-      type(text_type), allocatable, intent(inout) :: warnings(:)
       type(text_type), allocatable :: words(:)
       type(unit_type) :: unit
       type(error_type), allocatable :: failed
@@ -164,9 +165,10 @@ contains
          if (allocated(failed) .and. key == "units") call find_named_unit(words, unit, failed)
       end if
       if (allocated(failed)) then
-         call warn(lines, first, key, "is not known", warnings)
-         if (index(value, "increment") > 0) call add_text(warnings, "if the numbers are increments of an angle, say so: "// &
-            "`input` increment, `unit` arcsec (deg, rad, ...), and `scale` F where a count is F of that unit")
+         call warn(lines, first, key, "is not known", header%unit_warnings)
+         if (index(value, "increment") > 0) call add_text(header%unit_warnings, &
+            "if the numbers are increments of an angle, say so: `input` increment, `unit` arcsec "// &
+            "(deg, rad, ...), and `scale` F where a count is F of that unit")
       else
          header%unit = unit
          if (allocated(header%units)) deallocate (header%units)

@@ -68,12 +68,18 @@ contains
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
       real(dp) :: wrap
+      integer :: i
 
       associate (options => recording%options, table => recording%table)
          record%path = recording%path
          record%format = recording%format
          record%stored_type = recording%stored_type
          call move_alloc(table%warnings, record%warnings)
+         if (options%unit == "" .and. allocated(table%header%unit_warnings)) then
+            do i = 1, size(table%header%unit_warnings)
+               call add_text(record%warnings, table%header%unit_warnings(i)%text)
+            end do
+         end if
          call take_values(options, table, record, stamps, error)
          if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps, error)
          if (.not. allocated(error)) call set_rate(options, table, record, error)
