@@ -613,7 +613,8 @@ GYROAKF_API void gyroakf_drift_options_init(gyroakf_drift_options *opt);
  *   z      [n] series, u, n >= 50; any offset; NaN: missing
  *   opt    may be NULL
  *   model  initialised by gyroakf_drift_model_init; where none of its processes is slow, no drift was found
- * On failure nothing but err is written. GYROAKF_TOO_FEW_SAMPLES, GYROAKF_CONSTANT_INPUT, GYROAKF_NON_FINITE, GYROAKF_NO_MEMORY.
+ * On failure nothing but err is written. GYROAKF_TOO_FEW_SAMPLES, GYROAKF_CONSTANT_INPUT, GYROAKF_NON_FINITE, GYROAKF_NO_MEMORY,
+ * GYROAKF_NOT_CONVERGED (no model has a likelihood with a maximum).
  */
 GYROAKF_API int gyroakf_drift_identify(const double *z, int64_t n, const gyroakf_drift_options *opt, gyroakf_drift_model *model,
                                        gyroakf_error *err);
