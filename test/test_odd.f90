@@ -80,6 +80,8 @@ contains
       call check(error, message, "")
       call check(error, record%channel(1)%text//","//record%channel(2)%text, &
                  char(194)//char(165)//" x?,y"//char(194)//char(176))
+      call parse("'|"//nl//"1"//nl//"2"//nl, reader_options(), record, message)      ! a line of names without one
+      call check(error, message, "")
    end subroutine test_names
 
    !> A long field without the start of a character in it.

@@ -65,6 +65,7 @@ contains
             call take_name(word, names%name(count)%text, names%unit(count)%text)
          end if
       end do
+      names%known = count > 0
       names%name = names%name(:count)
       names%unit = names%unit(:count)
       call keep_apart(names)
@@ -137,9 +138,10 @@ contains
       if (.not. names%known) return
       first = 1
       last = size(names%name)
-      if (last > columns .and. any(["        ", "Comment ", "Comments"] == names%name(last)%text)) last = last - 1
+      if (columns < 1 .or. last <= columns) return
+      if (any(["        ", "Comment ", "Comments"] == names%name(last)%text)) last = last - 1
       if (last > columns .and. len(names%name(1)%text) == 0) first = 2
-      if (last - first + 1 == columns .and. columns > 0) then
+      if (last - first + 1 == columns) then
          names%name = names%name(first:last)
          names%unit = names%unit(first:last)
       end if
