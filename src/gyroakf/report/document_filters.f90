@@ -171,7 +171,11 @@ contains
                          process%k%std_error, "K")
             call out%put("k_std_error", process%k%std_error, known .and. process%k%detected, &
                          shown=.false.)
-            call out%put("k_unit", process%k%unit, process%walk, shown=.false.)
+            if (process%walk) then
+               call out%put("k_unit", process%k%unit, shown=.false.)
+            else
+               call out%absent("k_unit")
+            end if
             call out%close()
          end associate
       end do

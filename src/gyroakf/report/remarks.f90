@@ -110,9 +110,14 @@ contains
       type(remark_type), allocatable, intent(inout) :: remark(:)
       type(pipeline_result_type), intent(in) :: result
       character(:), allocatable :: text
+      real(dp), dimension(size(result%channel)) :: kf, akf
+      logical, dimension(size(result%channel)) :: has_kf, has_akf
 
-      text = passed("KF", result%channel%kf_figures%passed_percent, result%channel%available%kf)// &
-         passed("AKF", result%channel%akf_figures%passed_percent, result%channel%available%akf)
+      kf(:) = result%channel%kf_figures%passed_percent
+      akf(:) = result%channel%akf_figures%passed_percent
+      has_kf(:) = result%channel%available%kf
+      has_akf(:) = result%channel%available%akf
+      text = passed("KF", kf, has_kf)//passed("AKF", akf, has_akf)
       if (text == "") return
       call add_remark(remark, note, "the paper's filters pass a constant rotation in part (DC gain: "//text(3:)// &
                       "): their outputs are no input for navigation", "")
