@@ -19,7 +19,7 @@ module gyroakf_filter_smoother
    use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
-   public :: smooth_drift
+   public :: smooth_drift, check_sizes
 
    !> Samples of a block, at least
    integer(int64), parameter :: shortest_block = 1024
@@ -173,9 +173,9 @@ contains
             else
                call predict_components(model, state)
                if (here) call correct_components(n, r, z(k), state)
-               if (.not. here .or. present(white)) then
+               if (.not. here) then
                   settling = settling_type()
-               else if (modulo(k, test_interval) == 0) then
+               else if (modulo(k, test_interval) == 0 .and. .not. present(white)) then
                   call judge_settling(settling, reshape([state%gain(:n), state%variance], [n + 1, 1]))
                end if
             end if
@@ -184,7 +184,7 @@ contains
       end do
    end subroutine advance_smoother
 
-   !> The way back through a block.
+   !> The way back through a block; covariances only where the variance is wanted.
    pure subroutine smooth_back(model, slow, step, from, to, back, drift, variance)
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
@@ -203,32 +203,48 @@ contains
             if (back%before) then
                call predict_back(model, back)
             else
-               call smooth_state(n, now%state, back)
+               back%x(:n) = now%state%x(:n) + matmul(now%state%p(:n, :n), back%rho(:n))
+               if (present(variance)) call smooth_covariance(n, now%state%p(:n, :n), back)
             end if
             drift(k) = sum(back%x(:n), mask=slow)
             if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) .and. spread(slow, 2, n))
             back%before = back%before .or. now%begins
-            if (.not. back%before) call carry_back(model, now, back)
+            if (back%before) cycle
+            if (present(variance)) call carry_covariance(model, now, back)
+            call carry_back(model, now, back)
          end associate
       end do
    end subroutine smooth_back
 
-   !> The estimate from both sides.
-   pure subroutine smooth_state(n, state, back)
+   !> The covariance from both sides.
+   pure subroutine smooth_covariance(n, p, back)
       integer, intent(in) :: n
       !> Filtered
-      type(component_state_type), intent(in) :: state
-      !> Its x and v are set
+      real(dp), intent(in) :: p(n, n)
+      !> Its v is set
       type(smoother_back_type), intent(inout) :: back
-      real(dp) :: pn(n, n)
 
-      back%x(:n) = state%x(:n) + matmul(state%p(:n, :n), back%rho(:n))
-      pn = matmul(state%p(:n, :n), back%n(:n, :n))
-      back%v(:n, :n) = state%p(:n, :n) - matmul(pn, state%p(:n, :n))
-   end subroutine smooth_state
+      back%v(:n, :n) = p - matmul(matmul(p, back%n(:n, :n)), p)
+   end subroutine smooth_covariance
 
-   !> Back by one sample and its measurement.
+   !> Rho back by one sample and its measurement.
    pure subroutine carry_back(model, now, back)
+      type(component_model_type), intent(in) :: model
+      type(smoother_step_type), intent(in) :: now
+      type(smoother_back_type), intent(inout) :: back
+      real(dp) :: change
+      integer :: n
+
+      n = model%count
+      if (now%counts) then
+         change = now%state%innovation/now%state%variance - dot_product(now%state%gain(:n), back%rho(:n))
+         back%rho(:n) = back%rho(:n) + change
+      end if
+      back%rho(:n) = model%phi(:n)*back%rho(:n)
+   end subroutine carry_back
+
+   !> N back by one sample and its measurement.
+   pure subroutine carry_covariance(model, now, back)
       type(component_model_type), intent(in) :: model
       type(smoother_step_type), intent(in) :: now
       type(smoother_back_type), intent(inout) :: back
@@ -236,28 +252,22 @@ contains
       integer :: i, j, n
 
       n = model%count
+      kn = 0.0_dp
+      change = 0.0_dp
       if (now%counts) then
-         associate (gain => now%state%gain(:n), s => now%state%variance)
-            change = now%state%innovation/s - dot_product(gain, back%rho(:n))
+         associate (gain => now%state%gain(:n))
             do j = 1, n
                kn(j) = dot_product(gain, back%n(:n, j))
             end do
-            back%rho(:n) = back%rho(:n) + change
-            change = dot_product(gain, kn(:n)) + 1.0_dp/s
-            do j = 1, n
-               do i = 1, n
-                  back%n(i, j) = back%n(i, j) - kn(i) - kn(j) + change
-               end do
-            end do
+            change = dot_product(gain, kn(:n)) + 1.0_dp/now%state%variance
          end associate
       end if
       do j = 1, n
-         back%rho(j) = model%phi(j)*back%rho(j)
          do i = 1, n
-            back%n(i, j) = model%phi(i)*model%phi(j)*back%n(i, j)
+            back%n(i, j) = model%phi(i)*model%phi(j)*(back%n(i, j) - kn(i) - kn(j) + change)
          end do
       end do
-   end subroutine carry_back
+   end subroutine carry_covariance
 
    !> Back by one sample before the first measurement: the processes are the same in both directions of time.
    pure subroutine predict_back(model, back)
