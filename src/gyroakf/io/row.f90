@@ -91,15 +91,17 @@ contains
    pure subroutine join_fields(bytes, layout, fields)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Its `joined` is the column
+      !> Its `joined` is the column; as many are joined as there are more than `columns`, where those are known
       type(layout_type), intent(in) :: layout
       !> One or two less where there are some to join
       type(fields_type), intent(inout) :: fields
-      integer :: i, j, behind
+      integer :: i, j, behind, most
 
       j = layout%joined
       if (j == 0) return
-      do behind = min(2, fields%count - j), 1, -1
+      most = min(2, fields%count - j)
+      if (layout%columns > 0) most = min(most, max(1, fields%count - layout%columns))
+      do behind = most, 1, -1
          if (kind_of_field(bytes, fields%first(j), fields%last(j + behind)) /= stamp_kind%moment) cycle
          fields%last(j) = fields%last(j + behind)
          fields%count = fields%count - behind
