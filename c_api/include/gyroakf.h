@@ -632,7 +632,8 @@ GYROAKF_API int gyroakf_drift_filter_new(const gyroakf_drift_model *model, const
  * The drift of a whole record from the samples before and behind (fixed-interval smoother), also where samples are missing.
  *   z         [n] series, u; NaN: missing; one at least is there
  *   drift     [n] gets the drift
- *   variance  [n] gets the variance of its error; may be NULL
+ *   variance  [n] gets the variance of its error under the model, which flicker noise (B without K in a noise fit) does not
+ *             follow: there it is too small; may be NULL
  *   opt       NULL, or estimate_measurement_variance 0: the white noise is r throughout. 1: its variance is followed through the
  *             record by the adaptive filter with these options, forwards and backwards, before the record is smoothed
  * On failure, but that of refused arguments, drift and variance may hold anything. Memory: some sqrt(n) states; with

@@ -148,11 +148,11 @@ contains
             associate (k => channel%drift_process(i)%k)
                if (allan%state == "limit" .and. k%value > allan%upper_limit) then
                   channel%drift_doubt = "its K = "//format_real(k%value, 3)//" is above the limit of the Allan deviation, "// &
-                                        format_real(allan%upper_limit, 3)
-               else if (allan%state == "value" .and. &
+                                        format_real(allan%upper_limit, 3)//" "//k%unit
+               else if (allan%state == "value" .and. channel%drift%errors_known .and. &
                         abs(k%value - allan%value) > most_errors*hypot(k%std_error, allan%std_error)) then
                   channel%drift_doubt = "its K = "//format_real(k%value, 3)//" is not that of the Allan deviation, "// &
-                                        format_real(allan%value, 3)
+                                        format_real(allan%value, 3)//" "//k%unit
                end if
                k%detected = .not. allocated(channel%drift_doubt) .and. (.not. channel%verdict%known .or. &
                             (index(channel%verdict%drift, "random_walk") > 0 .and. allan%state /= "withheld"))
