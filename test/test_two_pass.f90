@@ -234,7 +234,7 @@ contains
       call check(error, norm2(x - drift) <= 1.03_dp*norm2(y - drift), "steps are gated away")
    end subroutine test_steps
 
-   !> The caller is told, in order, and may end it in either pass
+   !> The caller is told, in order, and may end it
    subroutine test_progress(error)
       type(error_type), allocatable, intent(out) :: error
       type(gyro_error), allocatable :: failure
@@ -242,14 +242,14 @@ contains
       real(dp), allocatable :: z(:), x(:)
       integer(int64) :: i
 
-      allocate (z(300000), x(300000))
+      allocate (z(800000), x(800000))
       call fill_noise(14, z)
       z = 0.02_dp*z
       call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
       call check(error, .not. allocated(failure) .and. caller%last > 0, "nobody is told")
       if (allocated(error)) return
       do i = 1, 3
-         caller = counting_type(ends=i*150000)
+         caller = counting_type(ends=i*250000)
          call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
          call check(error, allocated(failure) .and. caller%ordered, "the call is not ended")
          if (allocated(error)) return
