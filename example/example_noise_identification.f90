@@ -24,7 +24,7 @@ contains
       call simulate_record(noise, record, error)
       if (.not. allocated(error)) call integrate_rate(record%value(:, 1), phase, missing, error)
       if (allocated(error)) error stop error%message
-      call identify_noise(phase, m, 0.9_dp, alpha)
+      call identify_noise(phase, m, 0.9_dp, alpha, error)
       print "(a, f7.2, a, i3)", ("tau", m(i)*record%sample_interval, " s: alpha", alpha(i), i=1, 5)
    end subroutine identify
 

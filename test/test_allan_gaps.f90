@@ -205,7 +205,7 @@ contains
       call check(error, all(abs(found%inflation) <= 0) .and. all(found%terms == n - 3*m + 2), "mdev: terms")
       call sum_windows(phase, m, 2, .true., found, failure, missing, spread(1.0_dp, 1, size(m)))
       call add_gapped_reflections(phase, missing, m, spread(1.0_dp, 1, size(m)), found, failure)
-      call sum_phase_differences(phase, m, 2, plain)
+      call sum_phase_differences(phase, m, 2, plain, failure)
       call add_reflected_differences(phase, m, plain, failure)
       call check(error, all(abs(found%squares*real(m, dp)**2/plain - 1) < 1.0e-12_dp), "totdev")
       call check(error, all(found%terms == n - 1), "totdev: terms")

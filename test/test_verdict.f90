@@ -87,6 +87,7 @@ contains
       real(dp) :: x(n), mean(block_count)
       integer(int64) :: i
       integer :: k
+      type(gyro_error), allocatable :: failed
       logical :: enough
 
       truth%shape = "ramp"
@@ -96,7 +97,7 @@ contains
          call block_means(x, mean, enough)
          call check(error, maxval(abs(mean - trend_means(truth, n))) < 1.0e-11_dp, "means of "//truth%shape)
          mean = mean + 1.0e-3_dp*[(sin(real(i, dp)**2), i=1, block_count)]
-         call find_trend(mean, n, trend_test_options(), found)
+         call find_trend(mean, n, trend_test_options(), found, failed)
          call check(error, found%shape, truth%shape)
          call check(error, found%size, truth%size, rel=.true., thr=3.0e-3_dp)
          call check(error, found%time_constant, truth%time_constant, rel=k == 2, thr=5.0e-3_dp)
@@ -105,7 +106,7 @@ contains
          truth%time_constant = 3000
       end do
       mean = 1
-      call find_trend(mean, n, trend_test_options(), found)
+      call find_trend(mean, n, trend_test_options(), found, failed)
       call check(error, found%shape, "       ")
    end subroutine test_exact
 
@@ -133,7 +134,7 @@ contains
             record%value(:, 1) = record%value(:, 1) + trend_values(truth, options%samples, [(i, i=1, options%samples)])
             call block_means(record%value(:, 1), mean, enough)
             call find_trend(mean, options%samples, trend_test_options(ramp_gain=-1.0e9_dp, warm_up_gain=-1.0e9_dp, &
-               & curved_margin=merge(1.0e9_dp, -1.0e9_dp, j == 1)), trend)
+               & curved_margin=merge(1.0e9_dp, -1.0e9_dp, j == 1)), trend, failed)
             size_found(k) = trend%size
             stated(k) = trend%std_error
          end do

@@ -25,6 +25,7 @@ void uniform(double *x, int n, int64_t seed);
 
 /* One file each */
 void test_bad(void);
+void test_children(void);
 void test_drift(void);
 void test_host(void);
 void test_memory(void);

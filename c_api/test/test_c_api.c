@@ -904,6 +904,7 @@ int main(int argc, char **argv) {
   test_drift();
   test_bad();
   test_promises();
+  test_children();
   test_host();
   test_threads();
   printf("%d passed, %d failed\n", passed, failed);

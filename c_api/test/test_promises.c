@@ -570,6 +570,7 @@ static void test_flags_of_a_step(void) {
 
 #if defined(__GLIBC__)
 #include <malloc.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 
@@ -649,8 +650,68 @@ void test_memory(void) {
   free(longer);
   free(room);
 }
+
+/* ------------------------------------------------------------------------------------------------------- children and small stacks */
+
+static int call_status;
+
+static void *call_in_thread(void *argument) {
+  call c = usual_call((const row *)argument, &now_written);
+  call_status = ((const row *)argument)->call(&c);
+  return NULL;
+}
+
+/* The status of a call by a forked child, in a thread of its own with so large a stack where that is not 0; -1: no good end. */
+static int status_of_child(const row *r, size_t stack) {
+  int status;
+  pid_t child;
+  fflush(NULL);
+  child = fork();
+  if (child < 0) return GYROAKF_OK;
+  if (child == 0) {
+    pthread_attr_t attributes;
+    pthread_t thread;
+    alarm(60);
+    call_status = -1;
+    if (stack == 0) {
+      call_in_thread((void *)(uintptr_t)r);
+    } else {
+      pthread_attr_init(&attributes);
+      pthread_attr_setstacksize(&attributes, stack);
+      if (pthread_create(&thread, &attributes, call_in_thread, (void *)(uintptr_t)r) == 0) pthread_join(thread, NULL);
+    }
+    _exit(call_status < 0 ? 255 : call_status);
+  }
+  if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return -1;
+  return WEXITSTATUS(status);
+}
+
+/* Every call in a thread with a stack of 64 kB, and in a child of a process that has made parallel calls. */
+void test_children(void) {
+  const int threads = omp_get_max_threads();
+  double *longer = (double *)malloc(many * sizeof *longer);
+  gyroakf_allan *a = NULL;
+  int k, i;
+  if (longer == NULL) abort();
+  make_series();
+  for (i = 0; i < many; i++) longer[i] = series[i % n];
+  omp_set_num_threads(2);
+  for (k = 0; k < rows && address_space() > 0; k++) {
+    snprintf(what, sizeof what, "%s: in a thread with a stack of 64 kB", table[k].name);
+    check(status_of_child(&table[k], 65536) == GYROAKF_OK, what);
+  }
+  check_success(gyroakf_allan_new(longer, many, 0.01, NULL, &a, &err), "a parallel call of the parent");
+  gyroakf_allan_free(a);
+  for (k = 0; k < rows; k++) {
+    snprintf(what, sizeof what, "%s: in a forked child", table[k].name);
+    check(status_of_child(&table[k], 0) == GYROAKF_OK, what);
+  }
+  omp_set_num_threads(threads);
+  free(longer);
+}
 #else
 void test_memory(void) {}
+void test_children(void) {}
 #endif
 
 /* -------------------------------------------------------------------------------------------------------------- and the rest */

@@ -11,8 +11,10 @@ module gyroakf_chunks
    private
    public :: block_length, threads_from, chunk_count, chunk_first, chunk_last, chunk_group
 
-   !> Samples of a block: 32 kB of real numbers
-   integer(int64), parameter :: block_length = 4096
+   !> Samples of a block: 8 kB of real numbers, which also a small stack holds
+   integer(int64), parameter :: block_length = 1024
+   !> Chunks begin at multiples of so many samples
+   integer(int64), parameter :: chunk_unit = 4096
    !> Length from which it pays to start threads
    integer(int64), parameter :: threads_from = 60000
    integer(int64), parameter :: most_chunks = 256
@@ -24,7 +26,7 @@ contains
       !> Length of the series; less than a block is one chunk
       integer(int64), intent(in) :: n
 
-      chunk_count = int(min(max((n + block_length - 1)/block_length, 1_int64), most_chunks))
+      chunk_count = int(min(max((n + chunk_unit - 1)/chunk_unit, 1_int64), most_chunks))
    end function chunk_count
 
    !> First sample of a chunk, 1-based.
@@ -35,9 +37,9 @@ contains
       integer, intent(in) :: chunk
       integer(int64) :: blocks, chunks
 
-      blocks = (n + block_length - 1)/block_length
+      blocks = (n + chunk_unit - 1)/chunk_unit
       chunks = int(chunk_count(n), int64)
-      chunk_first = min((blocks*int(chunk - 1, int64))/chunks*block_length, n) + 1
+      chunk_first = min((blocks*int(chunk - 1, int64))/chunks*chunk_unit, n) + 1
    end function chunk_first
 
    !> Last sample of a chunk, 1-based.

@@ -183,11 +183,20 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: drawn(sample_size), ignored, margin
+      real(dp), allocatable :: drawn(:)
+      real(dp) :: ignored, margin
       integer(int64) :: i, stride, n, count
+      integer :: stat
 
       n = size(x, kind=int64)
       stride = n/sample_size
+      low = -huge(low)
+      high = huge(high)
+      allocate (drawn(sample_size), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for a sample of a series")
+         return
+      end if
       count = 0
       do i = 0, sample_size - 1
          associate (place => i*stride + mod(i*7919_int64, stride) + 1)      ! no multiples of one period
@@ -199,8 +208,6 @@ contains
          end associate
          if (absolute) drawn(count) = abs(drawn(count))
       end do
-      low = -huge(low)
-      high = huge(high)
       if (count < sample_size/16) return
       margin = 6.0_dp*0.5_dp*sqrt(real(count, dp))
       i = max(1_int64, int(quantile*real(count, dp) - margin, int64))

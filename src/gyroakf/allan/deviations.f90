@@ -236,7 +236,7 @@ contains
       call fill_curve(ubound(phase, 1, kind=int64), sample_interval, options%confidence, pack(all_m, shown), &
          & pack(variance, shown), pack(terms, shown), pack(share, shown), curve, error)
       if (allocated(error)) return
-      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, missing, difference_order(curve%kind))
+      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, error, missing, difference_order(curve%kind))
       call fill_limits(curve)
    end subroutine curve_of_phase
 

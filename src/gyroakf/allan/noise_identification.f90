@@ -8,6 +8,7 @@
 !> Source: W. J. Riley, C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation",
 !> Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified noise is carried on.
 module gyroakf_allan_noise_identification
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_allan_gaps, only : window_coverage
    implicit none (type, external)
@@ -28,7 +29,7 @@ module gyroakf_allan_noise_identification
 contains
 
    !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2, -4 with three differences) for each averaging factor.
-   subroutine identify_noise(phase, m, min_coverage, alpha, missing, differences)
+   subroutine identify_noise(phase, m, min_coverage, alpha, error, missing, differences)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, ascending
@@ -37,13 +38,15 @@ contains
       real(dp), intent(in) :: min_coverage
       !> The exponents: [size(m)]; 0 until one could be identified
       integer, intent(out) :: alpha(:)
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
       !> Missing samples so far: [0:n]; none if absent
       integer(int32), intent(in), contiguous, optional :: missing(0:)
       !> Differences at most: 2 (if absent) or 3
       integer, intent(in), optional :: differences
 
       real(dp) :: coverage(size(m))
-      integer :: i, most, last
+      integer :: i, most, last, stat(size(m))
 
       coverage = min_coverage
       if (present(missing)) coverage = window_coverage(missing, m, min_coverage)
@@ -52,12 +55,13 @@ contains
       !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
       do i = 1, size(m)
          if (present(missing)) then             ! an absent array is not passed on from inside a parallel region
-            call identify_one(phase, m(i), coverage(i), most, alpha(i), missing)
+            call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i), missing)
          else
-            call identify_one(phase, m(i), coverage(i), most, alpha(i))
+            call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i))
          end if
       end do
       !$omp end parallel do
+      if (any(stat /= 0)) call fatal_error(error, status%no_memory, "no memory for the means of a noise identification")
       last = 0
       do i = 1, size(m)
          if (alpha(i) == unknown) alpha(i) = last
@@ -66,7 +70,7 @@ contains
    end subroutine identify_noise
 
    !> The exponent for one averaging factor.
-   pure subroutine identify_one(phase, m, coverage, differences_max, alpha, missing)
+   pure subroutine identify_one(phase, m, coverage, differences_max, alpha, stat, missing)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factor
@@ -77,19 +81,24 @@ contains
       integer, intent(in) :: differences_max
       !> The exponent; unknown where there are too few windows or nothing varies
       integer, intent(out) :: alpha
+      !> Not 0 where there is no memory
+      integer, intent(out) :: stat
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), optional :: missing(0:)
 
-      real(dp) :: mean(means_max)
-      logical :: use_it(means_max)
+      real(dp), allocatable :: mean(:)
+      logical, allocatable :: use_it(:)
       real(dp) :: r, rho
       integer(int64) :: means, d, j
       logical :: varies
 
       alpha = unknown
+      stat = 0
       means = min(ubound(phase, 1, kind=int64)/m, means_max)
       if (means < means_min) return
       rho = 0
+      allocate (mean(means), use_it(means), stat=stat)
+      if (stat /= 0) return
       call window_means(phase, m, coverage, mean(:means), use_it(:means), missing)
       if (count(use_it(:means)) < means_min) return
       call remove_line(mean(:means), use_it(:means))

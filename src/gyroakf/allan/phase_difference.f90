@@ -10,7 +10,7 @@
 module gyroakf_allan_phase_difference
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    implicit none (type, external)
    private
@@ -40,28 +40,29 @@ contains
       integer, intent(in) :: order
       !> The sums: [size(m)]
       real(dp), intent(out) :: sums(:)
-      !> cancelled
-      type(error_type), allocatable, intent(out), optional :: error
-      !> Progress callback, only together with `error`; may cancel
+      !> cancelled, no_memory
+      type(error_type), allocatable, intent(out) :: error
+      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      real(dp) :: part(batch, parts_max)
-      type(error_type), allocatable :: cancelled
+      real(dp), allocatable :: part(:, :)
       integer(int64) :: n, parts, s, group, from
-      integer :: first, last, i
+      integer :: first, last, i, stat
 
       n = ubound(phase, 1, kind=int64)
       parts = part_count(n)
+      allocate (part(min(batch, size(m)), parts), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the sums of a deviation")
+         return
+      end if
       group = parts
       if (present(progress)) group = 2*thread_count()
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group
-            call report(from, parts, n, m, first, last, cancelled, progress)
-            if (allocated(cancelled)) then
-               call move_alloc(cancelled, error)
-               return
-            end if
+            call report(from, parts, n, m, first, last, error, progress)
+            if (allocated(error)) return
             !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
             do s = from, min(parts, from + group - 1)
                call one_part(phase, m(first:last), order, s, parts, part(:last - first + 1, s))

@@ -12,6 +12,7 @@
 !> Tried are a straight line and exp(-t/T) with 19 T from two blocks to the record.
 module gyroakf_allan_trend_test
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_fit_covariance, only : lag_covariances
    implicit none (type, external)
    private
@@ -88,7 +89,7 @@ contains
    end subroutine block_means
 
    !> Finds a trend in the means of the blocks.
-   subroutine find_trend(mean, samples, options, trend)
+   subroutine find_trend(mean, samples, options, trend, error)
       !> Of [[block_means]]
       real(dp), intent(in) :: mean(block_count)
       !> Length of the record
@@ -96,10 +97,16 @@ contains
       type(trend_test_options), intent(in) :: options
       !> The trend, if one gains enough; none where all means are equal
       type(record_trend_type), intent(out) :: trend
-      real(dp) :: cost(0:scale_count + 1, mixture_count), gain(scale_count + 1)
-      real(dp) :: series(0:scale_count + 1, differences), covariance(0:differences - 1, mixture_count)
-      integer :: k, shape, mixture
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: series(:, :), cost(:, :)
+      real(dp) :: gain(scale_count + 1), term(0:differences - 1, 3)
+      integer :: k, shape, mixture, stat(mixture_count)
 
+      stat = 0
+      allocate (series(0:scale_count + 1, differences), cost(0:scale_count + 1, mixture_count), stat=stat(1))
+      if (stat(1) /= 0) call refuse(error)
+      if (allocated(error)) return
       series(0, :) = steps_of(mean)
       if (maxval(abs(series(0, :))) <= 0.0_dp) return
       series(0, :) = series(0, :)/maxval(abs(series(0, :)))
@@ -107,12 +114,14 @@ contains
       do k = 1, scale_count
          series(k + 1, :) = exp(-[(real(shape, dp), shape=0, differences - 1)]/scale_of(k))
       end do
-      covariance = mixture_covariances()
+      term = noise_covariances()
       !$omp parallel do schedule(static)
       do k = 1, mixture_count
-         cost(:, k) = costs(covariance(:, k), series)
+         call find_costs(mixture_covariance(term, k), series, cost(:, k), stat(k))
       end do
       !$omp end parallel do
+      if (any(stat /= 0)) call refuse(error)
+      if (allocated(error)) return
       gain = minval(cost(0, :)) - minval(cost(1:, :), dim=2)
       shape = 1 + maxloc(gain(2:), dim=1)
       if (gain(1) > gain(shape) - options%curved_margin) shape = 1
@@ -120,7 +129,7 @@ contains
       if (gain(shape) < merge(options%ramp_gain, options%warm_up_gain, shape == 1)) return
       mixture = minloc(cost(shape, :), dim=1)
       trend%shape = merge("ramp   ", "warm-up", shape == 1)
-      call measure_trend(mean, samples, covariance(:, mixture), shape - 1, trend)
+      call measure_trend(mean, samples, mixture_covariance(term, mixture), shape - 1, trend, error)
    end subroutine find_trend
 
    !> A time constant, in blocks.
@@ -130,42 +139,61 @@ contains
       scale_of = 2*(block_count/2.0_dp)**(real(k - 1, dp)/(scale_count - 1))
    end function scale_of
 
-   !> Autocovariances of the differences of block means: [lag, mixture].
-   pure function mixture_covariances() result(covariance)
-      real(dp) :: covariance(0:differences - 1, mixture_count)
-      real(dp) :: term(0:differences - 1, 3), weight(0:weight_count - 1)
-      integer :: i, b, k
+   !> There is no memory.
+   subroutine refuse(error)
+      type(error_type), allocatable, intent(out) :: error
+
+      call fatal_error(error, status%no_memory, "no memory for the search for a trend")
+   end subroutine refuse
+
+   !> Autocovariances of the differences of block means of N, B and K, over their variances: [lag, term].
+   pure function noise_covariances() result(term)
+      real(dp) :: term(0:differences - 1, 3)
+      integer :: i
 
       term = lag_covariances(1.0_dp, 1.0_dp, [(real(i, dp), i=0, differences - 1)])
       do i = 1, 3
          term(:, i) = term(:, i)/term(0, i)
       end do
+   end function noise_covariances
+
+   !> Those of a mixture: of all three, of B and K, and K alone.
+   pure function mixture_covariance(term, mixture) result(covariance)
+      real(dp), intent(in) :: term(0:, :)
+      !> 1 .. `mixture_count`
+      integer, intent(in) :: mixture
+      real(dp) :: covariance(0:differences - 1), weight(0:weight_count - 1)
+      integer :: i
+
       weight = [0.0_dp, (2.0_dp**i, i=-7, 7)]
-      i = 0
-      do b = 0, weight_count - 1
-         do k = 0, weight_count - 1
-            i = i + 1
-            covariance(:, i) = term(:, 1) + weight(b)*term(:, 2) + weight(k)*term(:, 3)
-         end do
-         covariance(:, weight_count**2 + 1 + b) = term(:, 2) + weight(b)*term(:, 3)
-      end do
-      covariance(:, mixture_count) = term(:, 3)
-   end function mixture_covariances
+      if (mixture <= weight_count**2) then
+         covariance = term(:, 1) + weight((mixture - 1)/weight_count)*term(:, 2) + &
+            & weight(modulo(mixture - 1, weight_count))*term(:, 3)
+      else if (mixture < mixture_count) then
+         covariance = term(:, 2) + weight(mixture - weight_count**2 - 1)*term(:, 3)
+      else
+         covariance = term(:, 3)
+      end if
+   end function mixture_covariance
 
    !> -2 ln L, up to a constant, of the first series without a trend, and with each of the others as trend.
-   pure function costs(covariance, series) result(cost)
+   pure subroutine find_costs(covariance, series, cost, stat)
       !> Autocovariances from lag 0 on; the series: [series, time]
       real(dp), intent(in) :: covariance(0:), series(0:, :)
-      real(dp) :: cost(0:size(series, 1) - 1)
-      real(dp), dimension(0:size(series, 1) - 1, size(series, 2)) :: white
+      real(dp), intent(out) :: cost(0:)
+      !> Not 0 where there is no memory
+      integer, intent(out) :: stat
+      real(dp), allocatable :: white(:, :)
       real(dp) :: log_determinant, squares
 
+      allocate (white(0:size(series, 1) - 1, size(series, 2)), stat=stat)
+      if (stat /= 0) return
       call whiten(covariance, series, white, log_determinant)
       squares = sum(white(0, :)**2)
       cost = squares - matmul(white, white(0, :))**2/sum(white**2, dim=2)
       cost(0) = squares
       cost = size(series, 2)*log(max(cost, tiny(1.0_dp))) + log_determinant
-   end function costs
+   end subroutine find_costs
 
    !> Independent innovations of variance 1 of series that have the same autocovariances, by Levinson and Durbin.
    pure subroutine whiten(covariance, series, white, log_determinant)
@@ -193,7 +221,7 @@ contains
    end subroutine whiten
 
    !> Size, error and time constant by generalized least squares.
-   subroutine measure_trend(mean, samples, covariance, scale, trend)
+   subroutine measure_trend(mean, samples, covariance, scale, trend, error)
       real(dp), intent(in) :: mean(block_count)
       integer(int64), intent(in) :: samples
       !> Of the mixture
@@ -201,21 +229,29 @@ contains
       !> Number of the time constant that gained most; 0 of a ramp
       integer, intent(in) :: scale
       type(record_trend_type), intent(inout) :: trend
-      real(dp) :: log_time(fine_count), cost(0:fine_count), series(0:fine_count, differences), bend
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      real(dp) :: log_time(fine_count), cost(0:fine_count), bend
+      real(dp), allocatable :: series(:, :)
       real(dp), dimension(3, differences) :: fitted, white
       !> Of ln T, for the derivative
       real(dp), parameter :: step = 1.0e-4_dp
       real(dp) :: gram(2, 2), variance, log_determinant
-      integer :: i, best
+      integer :: i, best, stat
 
       if (scale > 0) then
          log_time = log(scale_of(scale)*real(samples/block_count, dp)) + &
             & fine_range*[(2.0_dp*(i - 1)/(fine_count - 1) - 1, i=1, fine_count)]
+         allocate (series(0:fine_count, differences), stat=stat)
+         if (stat /= 0) call refuse(error)
+         if (allocated(error)) return
          series(0, :) = steps_of(mean)
          do i = 1, fine_count
             series(i, :) = steps_of(unit_means(trend%shape, exp(log_time(i)), samples))
          end do
-         cost = costs(covariance, series)
+         call find_costs(covariance, series, cost, stat)
+         if (stat /= 0) call refuse(error)
+         if (allocated(error)) return
          best = min(max(minloc(cost(1:), dim=1), 2), fine_count - 1)
          bend = cost(best - 1) - 2*cost(best) + cost(best + 1)
          trend%time_constant = log_time(best)

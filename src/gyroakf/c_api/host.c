@@ -2,7 +2,12 @@
 /*
  * The floating-point environment of the program that calls: rounding, traps, exception flags, flushing of tiny numbers to zero.
  * In C because Fortran 2018 does not reach all of it (the operands that DAZ of x86 flushes) and has no constant for its default.
+ *
+ * And what a forked child must know: the threads of its parent are not there.
  */
+#if defined(__unix__) && !defined(_POSIX_C_SOURCE)
+#define _POSIX_C_SOURCE 200809L
+#endif
 #include <fenv.h>
 #include <stdint.h>
 #if defined(__x86_64__)
@@ -59,4 +64,19 @@ int gyroakf_host_begin_step(int64_t environment[64]) {
 }
 
 void gyroakf_host_end_step(const int64_t environment[64]) { gyroakf_host_restore(environment); }
+#endif
+
+/*
+ * A child that is forked after a parallel region would wait for ever for the threads of its parent: it computes with one thread.
+ * The library's one state of the whole process, set when it is loaded.
+ */
+#if defined(__unix__) && defined(__GNUC__)
+#include <pthread.h>
+extern void omp_set_num_threads(int threads) __attribute__((weak)); /* not there without OpenMP */
+
+static void in_child(void) {
+  if (omp_set_num_threads) omp_set_num_threads(1);
+}
+
+__attribute__((constructor)) static void watch_forks(void) { pthread_atfork(NULL, NULL, in_child); }
 #endif

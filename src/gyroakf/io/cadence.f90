@@ -27,9 +27,9 @@ module gyroakf_io_cadence
    end type cadence_type
 
    !> Steps looked at for the resolution
-   integer, parameter :: resolution_steps = 4001
-   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost bins
-   integer, parameter :: mantissa_bits = 5, octaves = 80, bins = octaves*2**mantissa_bits
+   integer, parameter :: resolution_steps = 1001
+   !> The histogram: 32 bins an octave from 2^-32 s to 2^32 s; what lies outside is in the outermost bins
+   integer, parameter :: mantissa_bits = 5, octaves = 64, bins = octaves*2**mantissa_bits
    !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of those tried
    real(dp), parameter :: lowest_rate = 0.9_dp, highest_rate = 3.4_dp, rate_distance = 0.02_dp
    !> Steps at least so coherent are those of an even grid; harmonics that are no more than this much higher do not count

@@ -130,7 +130,7 @@ contains
       integer(int64), intent(out) :: samples
       !> 1 where a sample was measured, 0 where it is missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      integer(int64), parameter :: block = 4096
+      integer(int64), parameter :: block = 1024
       real(dp) :: drift(block), squares
       integer(int64) :: first, last, k
 

@@ -51,7 +51,8 @@ contains
          verdict%wanted = .true.
          call block_means(x, mean, verdict%known, valid)
          if (.not. verdict%known) return
-         call find_trend(mean, n, trend_test_options(), verdict%trend)
+         call find_trend(mean, n, trend_test_options(), verdict%trend, error)
+         if (allocated(error)) return
          mean = mean - trend_means(verdict%trend, n)
          call test_adf(mean, adf_options(criterion="bic"), verdict%adf, error)
          if (.not. allocated(error)) call test_kpss(mean, kpss_options(), verdict%kpss, error)

@@ -102,14 +102,20 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: counts(cells), below, above
+      integer(int64), allocatable :: counts(:)
+      integer(int64) :: below, above
       real(dp) :: low, width
-      integer :: round, place(2)
+      integer :: round, place(2), stat
 
       low = lowest
       width = (highest - lowest)/real(cells - 1, dp)
       quartile(:) = lowest
       place(:) = 1
+      allocate (counts(cells), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the cells of a histogram")
+         return
+      end if
       do round = 1, most_rounds
          if (.not. width > 4.0_dp*epsilon(width)*max(abs(lowest), abs(highest))) exit
          call count_bins(x, low, width, counts, below, above, error, valid)
