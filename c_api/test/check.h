@@ -27,6 +27,7 @@ void uniform(double *x, int n, int64_t seed);
 void test_bad(void);
 void test_children(void);
 void test_drift(void);
+void test_faults(void);
 void test_host(void);
 void test_memory(void);
 void test_progress(void);

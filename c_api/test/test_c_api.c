@@ -863,11 +863,16 @@ static void test_record_options_failures(void) {
 #undef REFUSED
 }
 
-/* Without an argument all tests; "threads": those of two threads alone, for tools that watch threads. */
+/* Without an argument all tests; "threads": those of two threads alone, for tools that watch threads; "faults": with ci/faults. */
 int main(int argc, char **argv) {
   memset(&err, 0x55, sizeof err);
   if (argc > 1 && strcmp(argv[1], "threads") == 0) {
     test_threads_briefly();
+    printf("%d passed, %d failed\n", passed, failed);
+    return failed > 0;
+  }
+  if (argc > 1 && strcmp(argv[1], "faults") == 0) {
+    test_faults();
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
   }

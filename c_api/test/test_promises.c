@@ -709,9 +709,113 @@ void test_children(void) {
   omp_set_num_threads(threads);
   free(longer);
 }
+
+/* ------------------------------------------------------------------------------------------------------- one request that fails */
+
+/* Of ci/faults/memory.c, where that is loaded. */
+extern void faults_begin(long number) __attribute__((weak));
+extern long faults_requests(void) __attribute__((weak));
+
+enum { channels = 60, steps = 2500 };
+
+/* The whole analysis of many channels. */
+static int run_channels(call *c) {
+  const double *values[channels];
+  gyroakf_record *r = NULL;
+  gyroakf_result *result = NULL;
+  int status, i;
+  for (i = 0; i < channels; i++) values[i] = c->x + i;
+  status = gyroakf_record_new(values, channels, steps, 0.01, NULL, "deg/s", &r, &err);
+  if (status == GYROAKF_OK) status = gyroakf_run(r, NULL, &result, &err);
+  gyroakf_result_free(result);
+  gyroakf_record_free(r);
+  return status;
+}
+
+static char *recording; /* of many columns */
+
+static int parse_columns(call *c) {
+  gyroakf_record *r = NULL;
+  const int status = gyroakf_record_parse(recording, (int64_t)strlen(recording), NULL, &r, &err);
+  (void)c;
+  gyroakf_record_free(r);
+  return status;
+}
+
+static void make_columns(void) {
+  size_t used = 0;
+  int i, k;
+  recording = (char *)malloc(12 * steps * (channels + 1) + 1000);
+  if (recording == NULL) abort();
+  for (i = 0; i < steps; i++) {
+    used += (size_t)sprintf(recording + used, "%.2f", 0.01 * (i + (i > 900 ? 3 : 0)));
+    for (k = 0; k < channels; k++) used += (size_t)sprintf(recording + used, ",%.5f", series[(i + k) % n]);
+    recording[used++] = '\n';
+  }
+  recording[used] = '\0';
+}
+
+/* A call by a child whose request of that number fails: 0 there were fewer, 1 refused for want of memory, 2 it went on, else no good end. */
+static int call_without(const row *r, call c, long number) {
+  int status;
+  pid_t child;
+  fflush(NULL);
+  child = fork();
+  if (child < 0) return 0;
+  if (child == 0) {
+    alarm(60);
+    lost = 0;
+    faults_begin(number);
+    status = r->call(&c);
+    if (lost > 0 || err.code != status || (status != GYROAKF_OK && strlen(err.message) < 5)) _exit(3);
+    if (faults_requests() < number) _exit(status == GYROAKF_OK ? 0 : 3);
+    if (status != GYROAKF_OK && status != GYROAKF_NO_MEMORY) fprintf(stderr, "%s: status %d: %s\n", r->name, status, err.message);
+    _exit(status == GYROAKF_OK ? 2 : status == GYROAKF_NO_MEMORY ? 1 : 3);
+  }
+  if (waitpid(child, &status, 0) == child && WIFEXITED(status)) return WEXITSTATUS(status);
+  return 4;
+}
+
+/* Every large request of a call fails once; of many channels those of the first and some. */
+void test_faults(void) {
+  static const row more[] = {{"run of 60 channels", run_channels, 1, 0, 0, NONE}, {"60 columns", parse_columns, 1, 0, 0, NONE}};
+  double *longer = (double *)malloc(many * sizeof *longer);
+  char *room = (char *)malloc(8 * sizeof(double) * many);
+  long number, step;
+  int k, i, code, tried, went_on;
+  if (faults_begin == NULL || faults_requests == NULL || longer == NULL || room == NULL) abort();
+  make_series();
+  make_columns();
+  omp_set_num_threads(1);
+  for (i = 0; i < many; i++) longer[i] = series[i % n] + 1e-6 * i;
+  for (k = 0; k < rows + 2; k++) {
+    const row *r = k < rows ? &table[k] : &more[k - rows];
+    tried = went_on = 0;
+    step = 1;
+    for (number = 1; number < 100000; number += step) {
+      call c = usual_call(r, &now_written);
+      if (r->takes_series && r->call != filter_new) c.x = longer;
+      if (r->takes_series && r->takes_length) c.length = many / 5;
+      for (i = 0; i < arrays; i++) c.array[i] = (double *)(void *)room + i * many;
+      c.figures = (unsigned char *)room + arrays * sizeof(double) * many;
+      code = call_without(r, c, number);
+      if (code == 0) break;
+      snprintf(what, sizeof what, "%s: large request %ld fails", r->name, number);
+      check(code == 1 || code == 2, what);
+      tried++;
+      went_on += code == 2;
+      if (r->call == run_channels && number > 100) step = number / 2;
+    }
+    printf("%-20s %5d requests failed one by one, %d of them of no account\n", r->name, tried, went_on);
+  }
+  free(longer);
+  free(room);
+  free(recording);
+}
 #else
 void test_memory(void) {}
 void test_children(void) {}
+void test_faults(void) {}
 #endif
 
 /* -------------------------------------------------------------------------------------------------------------- and the rest */

@@ -123,7 +123,7 @@ contains
       type(channel_progress_type) :: named
       type(error_type), allocatable :: first
       character(24) :: digits
-      integer :: channel, channels, failures
+      integer :: channel, channels, failures, stat
 
       if (.not. allocated(record%value)) then
          call fatal_error(error, status%too_few_samples, "the record is empty")
@@ -138,7 +138,11 @@ contains
       if (allocated(error)) return
       result%duration = real(size(record%value, 1, kind=int64), dp)*record%sample_interval
       channels = size(record%value, 2)
-      allocate (result%channel(channels))
+      allocate (result%channel(channels), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the results of the channels")
+         return
+      end if
       failures = 0
       do channel = 1, channels
          result%channel(channel)%name = "channel"

@@ -35,12 +35,17 @@ contains
       !> Allocated on failure: io, parse, invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
       integer(int8), allocatable :: as_read(:)
+      integer :: failed
 
       table%name = lines%source%name
       table%layout%bad_lines_missing = options%bad_lines_missing
       call read_preamble(lines, options, table, error)
       if (allocated(error)) return
-      as_read = lines%bytes
+      allocate (as_read, source=lines%bytes, stat=failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the first rows of "//table%name)
+         return
+      end if
       call lay_out(lines, options, table, error)
       if (table%layout%marked) call move_alloc(as_read, lines%bytes)
       if (.not. allocated(error)) call map_row(table%map, 1_int64, lines%number)
@@ -53,7 +58,7 @@ contains
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields
-      integer :: named, i, j
+      integer :: named, i, j, failed
       character(:), allocatable :: word
       logical, allocatable :: texts(:)
       type(text_type), allocatable :: field(:, :)
@@ -105,7 +110,11 @@ contains
          if (table%layout%where_label) table%layout%where_column = 0
       end if
       call find_kinds(lines%bytes, fields, table%layout)
-      call first_rows(lines%bytes, lines%at, lines%last, table%layout, field)
+      call first_rows(lines%bytes, lines%at, lines%last, table%layout, field, failed)
+      if (failed /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the first rows of "//table%name)
+         return
+      end if
       texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), &
          j=1, size(field, 2))]
       if (.not. allocated(options%where)) call find_kinds_of_records(field, texts, table)

@@ -110,8 +110,7 @@ contains
       character(*), intent(in) :: name
       !> What it is
       type(content_type), intent(out) :: content
-      logical :: control(size(bytes, kind=int64))
-      integer(int64) :: controls, nulls
+      integer(int64) :: controls, nulls, i
       integer :: found, point_at
       logical :: by_name
 
@@ -135,10 +134,13 @@ contains
                                                               (bytes >= 9 .and. bytes <= 13)))
          return
       end if
-      control(:) = bytes >= 0 .and. bytes <= 31 .and. (bytes < 9 .or. bytes > 13)
-      controls = count(control, kind=int64)
       nulls = count(bytes == 0, kind=int64)
-      if (controls > 0) content%at = findloc(control, .true., dim=1, kind=int64)
+      controls = 0
+      do i = size(bytes, kind=int64), 1, -1
+         if (bytes(i) < 0 .or. bytes(i) > 31 .or. (bytes(i) >= 9 .and. bytes(i) <= 13)) cycle
+         controls = controls + 1
+         content%at = i
+      end do
       if (nulls == 0 .and. 20*controls <= size(bytes, kind=int64)) return
       content%kind = "foreign"
       content%what = "binary"

@@ -82,7 +82,9 @@ contains
       lines%only_returns = any(lines%bytes(:lines%filled - 1) == carriage_return) &
                            .and. .not. any(lines%bytes(:lines%filled - 1) == line_feed)
       call find_last(lines, lines%at)
-      lines%head = lines%bytes(:lines%last)
+      allocate (lines%head(lines%last), stat=failed)
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for the beginning of "//path)
+      if (failed == 0) lines%head(:) = lines%bytes(:lines%last)
    end subroutine open_lines
 
    !> Makes sure that at least one whole line is at hand; there is none (at > last) at the end of the source only.

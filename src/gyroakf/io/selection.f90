@@ -136,7 +136,7 @@ contains
    end subroutine find_selector
 
    !> The fields of the first rows that have enough and are wanted.
-   pure subroutine first_rows(bytes, first, last, layout, field)
+   pure subroutine first_rows(bytes, first, last, layout, field, stat)
       !> Holds rows from first on, up to the line feed at last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -144,15 +144,19 @@ contains
       type(layout_type), intent(in) :: layout
       !> [row, column]; fewer rows than 64 where there are many columns
       type(text_type), allocatable, intent(out) :: field(:, :)
+      !> Not 0 where there is no memory
+      integer, intent(out) :: stat
+      type(text_type), allocatable :: all_fields(:, :)
       type(fields_type) :: fields
       integer(int64) :: at, to
       integer :: rows, j
       logical :: wanted
 
-      allocate (field(max(8, min(most_rows, most_fields/max(1, layout%columns))), layout%columns))
+      allocate (all_fields(max(8, min(most_rows, most_fields/max(1, layout%columns))), layout%columns), stat=stat)
+      if (stat /= 0) return
       rows = 0
       at = first
-      do while (at <= last .and. rows < size(field, 1))
+      do while (at <= last .and. rows < size(all_fields, 1))
          to = line_feed_from(bytes, at)
          if (.not. is_no_row(bytes, at, to - 1)) then
             call split_row(bytes, at, to - 1, layout, fields)
@@ -161,13 +165,14 @@ contains
             if (wanted .and. fields%count >= layout%columns) then
                rows = rows + 1
                do j = 1, layout%columns
-                  field(rows, j)%text = bytes_text(bytes, fields%first(j), fields%last(j))
+                  all_fields(rows, j)%text = bytes_text(bytes, fields%first(j), fields%last(j))
                end do
             end if
          end if
          at = to + 1
       end do
-      field = field(:rows, :)
+      allocate (field(rows, layout%columns), stat=stat)
+      if (stat == 0) field(:, :) = all_fields(:rows, :)
    end subroutine first_rows
 
    !> The number of values that a column goes through again and again while the stamps repeat in most rows; 0 where it does not.

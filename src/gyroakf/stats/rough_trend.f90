@@ -5,7 +5,7 @@
 !> sums of products lose the digits of whatever is left of the trend. Some thousand samples tell enough of it.
 module gyroakf_stats_rough_trend
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_stats_trend, only : trend_type, fit_trend
    implicit none (type, external)
    private
@@ -31,12 +31,17 @@ contains
       real(dp), allocatable :: some(:)
       integer(int8), allocatable :: here(:)
       integer(int64) :: n, stride, count, i
+      integer :: stat
 
       n = size(x, kind=int64)
       if (n > all_up_to .and. degree >= 0) then
          stride = n/looked_at
          count = (n - 1)/stride + 1
-         allocate (some(count), here(count))
+         allocate (some(count), here(count), stat=stat)
+         if (stat /= 0) then
+            call fatal_error(error, status%no_memory, "no memory for a part of a series")
+            return
+         end if
          do i = 1, count
             some(i) = x((i - 1)*stride + 1)
             here(i) = 1_int8

@@ -228,11 +228,13 @@ contains
       real(dp), intent(inout), contiguous :: total(:)
       integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
-      real(dp) :: q(stretch, 0:self%basis%degree), y(stretch), product
+      real(dp), allocatable :: q(:, :)
+      real(dp) :: y(stretch), product
       integer(int64) :: begin, place
       integer :: i, k, m
 
-      stat = 0
+      allocate (q(stretch, 0:self%basis%degree), stat=stat)
+      if (stat /= 0) return
       do begin = chunk_first(n, chunk), chunk_last(n, chunk), stretch
          m = int(min(stretch, chunk_last(n, chunk) - begin + 1))
          place = self%basis%first + begin - 1
