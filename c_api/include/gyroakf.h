@@ -7,9 +7,9 @@
  * - A function that can fail returns GYROAKF_OK (0) or another value of enum gyroakf_status. Its last argument may be
  *   NULL; otherwise it is filled in either case: code, and a message in UTF-8 that says what is wrong (empty if nothing),
  *   with the members of options that it is about in grave accents.
- * - Nothing prints, stops the program, throws, locks, or keeps state of its own. Every function may be called by several
- *   threads at the same time, each with a stack of 64 kB or more; a handle is for one thread at a time, but where it is const in
- *   all of them. A child that is forked computes with one thread.
+ * - Nothing prints, stops the program, throws, or keeps state of its own. Every function may be called by several threads at the
+ *   same time, each with a stack of 64 kB or more; a handle is for one thread at a time, but where it is const in all of them.
+ *   Some functions hold a lock of OpenMP for moments, gyroakf_filter_step none. A forked child computes with one thread.
  * - const double * arrays hold evenly spaced samples; NaN marks a missing sample, an infinite value is an error unless
  *   its function says otherwise. No pointer of the caller is kept after the return, and nothing is changed behind a const.
  * - NULL for options means their defaults. Otherwise call the _init function of the struct first: it also writes
