@@ -30,16 +30,17 @@ module gyroakf_report_figure_allan
 contains
 
    !> Measured points with confidence limits, hollow where excluded from the fit; model, terms,
-   !> minimum; curves of the filters.
+   !> minimum; curves of the filters. Without series where there is no Allan deviation.
    subroutine build_allan_figure(record, channel, figure)
       !> [[view_channel]] of the channel
       type(record_type), intent(in) :: record
-      !> Its Allan deviation is available
+      !> What came out
       type(channel_result_type), intent(in) :: channel
       !> Ready to be written
       type(figure_type), intent(out) :: figure
       integer :: i
 
+      if (.not. channel%allan(stage%input)%available) return
       call name_axes(record, figure)
       figure%title = "Overlapping Allan deviation of "//channel%name
       allocate (figure%series(8))

@@ -23,9 +23,9 @@ module gyroakf_report_figure_series
 
 contains
 
-   !> The record with its outliers, its trend and its drift.
+   !> The record with its outliers, its trend and its drift; without series where it has no samples.
    subroutine build_record_figure(record, number, channel, unit, figure)
-      !> With its samples
+      !> With its samples, or without
       type(record_type), intent(in), target :: record
       !> Of the channel in it
       integer, intent(in) :: number
@@ -37,6 +37,7 @@ contains
       type(figure_type), intent(out) :: figure
       integer(int8), pointer :: present(:)
 
+      if (.not. allocated(record%value)) return
       present => null()
       if (allocated(record%present)) present => record%present(:, number)
       call begin_figure(record, channel%name//", record", unit, figure)
@@ -53,17 +54,18 @@ contains
       end if
    end subroutine build_record_figure
 
-   !> The cleaned series and the outputs of the filters.
+   !> The cleaned series and the outputs of the filters; without series where no output was kept.
    subroutine build_filter_figure(record, channel, unit, figure)
       !> For the rate
       type(record_type), intent(in) :: record
-      !> Its cleaned series was kept
+      !> With its cleaned series where an output was kept
       type(channel_result_type), intent(in) :: channel
       !> Of the channel
       character(*), intent(in) :: unit
       !> Ready to be written
       type(figure_type), intent(out) :: figure
 
+      if (.not. (allocated(channel%series_kf) .or. allocated(channel%series_akf))) return
       call begin_figure(record, channel%name//", cleaned and filtered", unit, figure)
       allocate (figure%series(3))
       associate (interval => record%sample_interval)
