@@ -19,8 +19,6 @@ module gyroakf_report_summary_row
 
    !> One file
    type :: summary_row_type
-      !> Path as it was given, and its result folder; "" where there is none
-      character(:), allocatable :: path, folder
       !> What a run of this file alone would end with: 0 done, 2 the data or a file, 3 a numerical
       !> failure, or a crash
       integer :: code = 0
@@ -66,8 +64,6 @@ contains
       type(json_type) :: json
       integer :: c, n
 
-      row%path = path
-      row%folder = folder
       row%message = ""
       if (present(code)) row%code = code
       if (present(message)) row%message = message
@@ -87,58 +83,49 @@ contains
       n = 1
       if (allocated(record%channel)) n = size(record%channel)
       do c = 1, n
-         if (present(result)) then
-            call add_channel(row, json, command, record, c, n, warnings, result%channel(c))
-         else
-            call add_channel(row, json, command, record, c, n, warnings, nothing)
-         end if
+         if (present(result)) call add_channel(result%channel(c))
+         if (.not. present(result)) call add_channel(nothing)
       end do
       call json%close()
       call json%close()
       text = json_text(json)
       row%json = text(index(text, "[") + index(text(index(text, "["):), "{") - 1:)
+
+   contains
+
+      !> A channel in all forms; the message of its line is the error, or else the first warning.
+      subroutine add_channel(channel)
+         type(channel_result_type), intent(in) :: channel
+         type(text_type), allocatable :: texts(:)
+         type(csv_row_type) :: csv
+         integer :: i
+
+         if (allocated(record%channel)) call put_channel(json, record, c, channel)
+         text = row%message
+         if (row%code == 0 .and. size(warnings) > 0) text = warnings(1)%text
+         call csv%put("path", path)
+         call csv%put("folder", folder)
+         call csv%put("exit_code", row%code)
+         call csv%put("warnings", size(warnings))
+         call csv%put("message", text(:index(text//new_line("a"), new_line("a")) - 1))
+         call put_record(csv, record)
+         call put_channel(csv, record, c, channel)
+         row%csv_head = csv%head
+         row%csv = row%csv//csv%line//new_line("a")
+         call make_cells(command, record, c, channel, row%heads, texts)
+         texts(size(texts))%text = count_text(size(warnings, kind=int64))
+         if (row%code /= 0) then
+            do i = 3, size(texts)
+               texts(i)%text = ""
+            end do
+            texts(2)%text = "failed"
+         end if
+         texts(1)%text = path
+         if (c == 1) allocate (row%cell(n, size(texts)))
+         row%cell(c, :) = texts
+      end subroutine add_channel
+
    end subroutine summarise
-
-   !> A channel in all forms; the message of its line is the error, or else the first warning.
-   subroutine add_channel(row, json, command, record, c, n, warnings, channel)
-      type(summary_row_type), intent(inout) :: row
-      type(json_type), intent(inout) :: json
-      character(*), intent(in) :: command
-      type(record_type), intent(in) :: record
-      !> Number of the channel; how many there are
-      integer, intent(in) :: c, n
-      type(text_type), intent(in) :: warnings(:)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: message
-      type(text_type), allocatable :: texts(:)
-      type(csv_row_type) :: csv
-      integer :: i
-
-      if (allocated(record%channel)) call put_channel(json, record, c, channel)
-      message = row%message
-      if (row%code == 0 .and. size(warnings) > 0) message = warnings(1)%text
-      message = message(:index(message//new_line("a"), new_line("a")) - 1)
-      call csv%put("path", row%path)
-      call csv%put("folder", row%folder)
-      call csv%put("exit_code", row%code)
-      call csv%put("warnings", size(warnings))
-      call csv%put("message", message)
-      call put_record(csv, record)
-      call put_channel(csv, record, c, channel)
-      row%csv_head = csv%head
-      row%csv = row%csv//csv%line//new_line("a")
-      call make_cells(command, record, c, channel, row%heads, texts)
-      texts(size(texts))%text = count_text(size(warnings, kind=int64))
-      if (row%code /= 0) then
-         do i = 3, size(texts)
-            texts(i)%text = ""
-         end do
-         texts(2)%text = "failed"
-      end if
-      texts(1)%text = row%path
-      if (c == 1) allocate (row%cell(n, size(texts)))
-      row%cell(c, :) = texts
-   end subroutine add_channel
 
    !> What was read; nothing is known of a record without channels.
    subroutine put_record(out, record)
