@@ -7,7 +7,7 @@ module gyroakf_app_many
    use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, open_writer, writer_type
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type, write_summary_csv, write_summary_json, &
+   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, write_summary_json, &
       write_summary_table
    use gyroakf_app_check, only : check_existing, is_result
    use gyroakf_app_config, only : config_type
@@ -65,7 +65,7 @@ contains
       type(summary_row_type), intent(out) :: row
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      type(record_type) :: record
+      type(record_type) :: record, unread
       type(pipeline_result_type) :: result
 
       if (job%command == "inspect") then
@@ -78,7 +78,8 @@ contains
       if (.not. allocated(error)) return
       if (error%code == status%cancelled) return
       call name_options(error%message)
-      call summarise_failure(job%command, job%path, "", exit_code(error%code), with_path(job%path, error%message), row)
+      call summarise(job%command, job%path, "", unread, row, code=exit_code(error%code), &
+                     message=with_path(job%path, error%message))
       deallocate (error)
    end subroutine work_on_one
 

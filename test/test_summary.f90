@@ -7,7 +7,7 @@ module test_summary
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type
-   use gyroakf_report_summary, only : summarise, summarise_failure, summary_row_type, write_summary_csv, write_summary_json, &
+   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, write_summary_json, &
       & write_summary_table
    use gyroakf_utf8, only : text_width
    use json_reader, only : check_schema, file_text, json_at, json_item, json_real, json_text_at, read_json
@@ -32,13 +32,13 @@ contains
    subroutine two_rows(rows, path)
       type(summary_row_type), intent(out) :: rows(2)
       character(*), intent(in) :: path
-      type(record_type) :: record
+      type(record_type) :: record, unread
       type(pipeline_result_type) :: result
 
       call make_record(record, .true.)
       call make_result(record, result)
       call summarise("run", path, "out/a", record, rows(1), result)
-      call summarise_failure("run", 'b "c", d', "", 2, "b: no such file"//nl//"check the path", rows(2))
+      call summarise("run", 'b "c", d', "", unread, rows(2), code=2, message="b: no such file"//nl//"check the path")
    end subroutine two_rows
 
    !> The document of some rows.

@@ -6,13 +6,11 @@ module gyroakf_report_csv_tables
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : put, put_line, put_real, writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_ar_model, only : ar_model_type
    use gyroakf_ar_spectrum, only : ar_spectrum
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names
    use gyroakf_report_csv, only : quoted
    use gyroakf_stats_correlation, only : correlation_type
    use gyroakf_stats_histogram, only : histogram_type
-   use gyroakf_stats_welch, only : welch_type
    implicit none (type, external)
    private
    public :: write_table
@@ -51,12 +49,15 @@ contains
       !> Sample interval, s; 1 without a rate
       real(dp), intent(in) :: interval
       character(:), allocatable :: name
-      integer :: c
+      real(dp) :: frequency(0:frequency_steps)
+      integer :: c, i
 
       call put_line(writer, head_of(table))
+      frequency = [(real(i, dp), i=0, frequency_steps)]/(2.0_dp*real(frequency_steps, dp)*interval)
       do c = 1, size(result%channel)
          name = quoted(result%channel(c)%name)
-         associate (channel => result%channel(c), is => result%channel(c)%available)
+         associate (channel => result%channel(c), is => result%channel(c)%available, &
+                    welch => result%channel(c)%spectrum, ar => result%channel(c)%ar)
             select case (table)
             case ("allan.csv"); call put_curves(writer, name, channel)
             case ("coefficients.csv"); call put_coefficients(writer, name, channel)
@@ -65,9 +66,14 @@ contains
             case ("histogram.csv")
                if (is%histogram) call put_bins(writer, name, channel%histogram)
             case ("spectrum.csv")
-               if (is%spectrum) call put_spectrum(writer, name, channel%spectrum)
+               if (.not. is%spectrum) cycle
+               call put_rows(writer, name, size(welch%frequency), &
+                             [welch%frequency, welch%density, welch%lower, welch%upper, &
+                              welch%one_sided, welch%edf], spectrum_digits)
             case default
-               if (is%ar) call put_ar_spectrum(writer, name, channel%ar, interval)
+               if (.not. (is%ar .and. ar%stationary)) cycle
+               call put_rows(writer, name, size(frequency), &
+                             [frequency, (ar_spectrum(ar, frequency(i), interval), i=0, frequency_steps)])
             end select
          end associate
       end do
@@ -179,39 +185,30 @@ contains
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: name
       type(channel_result_type), intent(in) :: channel
-      integer :: which, term
+      integer :: which, i
 
       do which = stage%input, stage%compensated
-         if (.not. channel%allan(which)%fitted) cycle
-         do term = 1, 5
-            call put(writer, name//","//trim(stage_names(which))//","//term_names(term))
-            call put_coefficient(writer, channel, which, term)
-         end do
+         associate (allan => channel%allan(which), term => channel%allan(which)%stated%term)
+            if (.not. allan%fitted) cycle
+            do i = 1, size(term)
+               call put(writer, name//","//trim(stage_names(which))//","//term_names(i))
+               call put_numbers(writer, where_known([term(i)%value, term(i)%std_error, &
+                                                     term(i)%upper_limit], term(i)%fitted))
+               call put(writer, ","//trim(merge("true ", "false", term(i)%detected))//","// &
+                        quoted(term(i)%unit))
+               call put_numbers(writer, where_known( &
+                                [channel%reduction_percent(i), allan%read_off%value(i)], &
+                                [which == stage%akf .and. channel%reduction_known(i), &
+                                 allan%read_off%found(i)]))
+               call put_numbers(writer, where_known( &
+                                [term(i)%value_si, term(i)%std_error_si, term(i)%upper_limit_si], &
+                                term(i)%fitted .and. allan%stated%in_units))
+               call put_line(writer, ","//quoted(term(i)%unit_si)//","// &
+                             quoted(term(i)%definition)//","//trim(term(i)%state))
+            end do
+         end associate
       end do
    end subroutine put_coefficients
-
-   !> The columns of a term.
-   subroutine put_coefficient(writer, channel, which, term)
-      type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel
-      !> Component of [[gyroakf_pipeline_result:stage]]; 1 .. 5
-      integer, intent(in) :: which, term
-      logical :: reduced, in_units
-
-      reduced = which == stage%akf .and. channel%reduction_known(term)
-      associate (allan => channel%allan(which), is => channel%allan(which)%stated%term(term))
-         in_units = is%fitted .and. allan%stated%in_units
-         call put_numbers(writer, where_known([is%value, is%std_error, is%upper_limit], is%fitted))
-         call put(writer, ","//trim(merge("true ", "false", is%detected))//","//quoted(is%unit))
-         call put_numbers(writer, where_known([channel%reduction_percent(term)], reduced))
-         call put_numbers(writer, where_known([allan%read_off%value(term)], &
-                                              allan%read_off%found(term)))
-         call put_numbers(writer, &
-                          where_known([is%value_si, is%std_error_si, is%upper_limit_si], in_units))
-         call put_line(writer, ","//quoted(is%unit_si)//","//quoted(is%definition)//","// &
-                       trim(is%state))
-      end associate
-   end subroutine put_coefficient
 
    !> The lags from 1 on.
    subroutine put_correlation(writer, name, is)
@@ -244,31 +241,5 @@ contains
       call put_rows(writer, name, 1, &
                     [is%edge(n), none, real(is%above, dp), is%expected_above, none, none])
    end subroutine put_bins
-
-   !> The frequencies from the first on.
-   subroutine put_spectrum(writer, name, is)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      type(welch_type), intent(in) :: is
-
-      call put_rows(writer, name, size(is%frequency), [is%frequency, is%density, is%lower, &
-                                                       is%upper, &
-                                                       is%one_sided, is%edf], spectrum_digits)
-   end subroutine put_spectrum
-
-   !> The density of a model.
-   subroutine put_ar_spectrum(writer, name, model, interval)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      type(ar_model_type), intent(in) :: model
-      real(dp), intent(in) :: interval
-      real(dp) :: frequency(0:frequency_steps)
-      integer :: i
-
-      if (.not. model%stationary) return
-      frequency = [(real(i, dp), i=0, frequency_steps)]/(2.0_dp*real(frequency_steps, dp)*interval)
-      call put_rows(writer, name, size(frequency), &
-                    [frequency, (ar_spectrum(model, frequency(i), interval), i=0, frequency_steps)])
-   end subroutine put_ar_spectrum
 
 end module gyroakf_report_csv_tables

@@ -30,16 +30,17 @@ module gyroakf_report_figure_allan
 contains
 
    !> Measured points with confidence limits, hollow where excluded from the fit; model, terms,
-   !> minimum; curves of the filters.
+   !> minimum; curves of the filters. Without series where there is no Allan deviation.
    subroutine build_allan_figure(record, channel, figure)
       !> [[view_channel]] of the channel
       type(record_type), intent(in) :: record
-      !> Its Allan deviation is available
+      !> What came out
       type(channel_result_type), intent(in) :: channel
       !> Ready to be written
       type(figure_type), intent(out) :: figure
       integer :: i
 
+      if (.not. channel%allan(stage%input)%available) return
       call name_axes(record, figure)
       figure%title = "Overlapping Allan deviation of "//channel%name
       allocate (figure%series(8))
@@ -56,11 +57,23 @@ contains
             call set_curve(figure%series(7), allan, "fitted model", 0)
             figure%series(7)%y = allan%noise%model
          end if
-         if (allan%read_off%known) figure%caption = figure%caption//"; lowest reliable: "//minimum_note()
+         if (allan%read_off%known) then
+            figure%caption = figure%caption//"; lowest reliable: "//minimum_note()
+            figure%series(6)%style = "mark"
+            figure%series(6)%x = [allan%read%minimum_tau]
+            figure%series(6)%y = [allan%read%minimum]
+            figure%series(6)%label = "lowest reliable "//number(allan%read_off%minimum, 3)//" "// &
+               to_unicode(allan%stated%term(3)%unit)//" at "// &
+               number(allan%read_off%minimum_tau, 3)//" "//time_unit(record)
+         end if
          figure%caption = figure%caption//"."
-         if (allan%read_off%known) call set_minimum(figure%series(6), allan, time_unit(record))
-         call set_curve(figure%series(8), allan, channel%name, 1)
-         call set_points(figure%series(8), allan)
+         call set_curve(figure%series(8), allan, channel%name, 1, style="points")
+         figure%series(8)%lower = allan%curve%lower
+         figure%series(8)%upper = allan%curve%upper
+         if (allan%noise%described) then
+            figure%series(8)%hollow = allan%curve%tau < allan%noise%tau_first*(1 - tolerance) .or. &
+               allan%curve%tau > allan%noise%tau_last*(1 + tolerance)
+         end if
       end associate
    end subroutine build_allan_figure
 
@@ -92,9 +105,8 @@ contains
          if (.not. alike(c)) cycle
          associate (channel => result%channel(c))
             call set_curve(figure%series(drawn), channel%allan(stage%input), channel%name, &
-                           1 + modulo(size(figure%series) - drawn, color_count))
+                           1 + modulo(size(figure%series) - drawn, color_count), style="both")
          end associate
-         figure%series(drawn)%style = "both"
          drawn = drawn - 1
       end do
    end subroutine build_overlay
@@ -136,38 +148,31 @@ contains
       figure%right_factor = record%unit%to_si*unit%from_si
    end subroutine name_axes
 
-   !> A line through the deviations of a curve, where there is one.
-   subroutine set_curve(series, allan, label, color)
+   !> The deviations of a curve, where there is one.
+   subroutine set_curve(series, allan, label, color, style)
       type(series_type), intent(inout) :: series
       type(allan_result_type), intent(in) :: allan
       character(*), intent(in) :: label
       integer, intent(in) :: color
+      !> Default: a line
+      character(*), intent(in), optional :: style
 
       if (.not. allan%available) return
       series%label = label
       series%color = color
       series%x = allan%curve%tau
       series%y = allan%curve%deviation
+      if (present(style)) series%style = style
    end subroutine set_curve
 
-   !> Error bars, and which points the fit excludes.
-   subroutine set_points(series, allan)
-      type(series_type), intent(inout) :: series
-      type(allan_result_type), intent(in) :: allan
-
-      series%style = "points"
-      series%lower = allan%curve%lower
-      series%upper = allan%curve%upper
-      if (.not. allan%noise%described) return
-      series%hollow = allan%curve%tau < allan%noise%tau_first*(1 - tolerance) .or. &
-         allan%curve%tau > allan%noise%tau_last*(1 + tolerance)
-   end subroutine set_points
-
-   !> A term: its line where it is detected, its number in any case.
+   !> A term: its line where it is detected, its number in any case; many points, so that the line
+   !> ends where it leaves the frame.
    subroutine set_term(series, allan, term)
       type(series_type), intent(inout) :: series
       type(allan_result_type), intent(in) :: allan
       integer, intent(in) :: term
+      integer, parameter :: steps = 199
+      integer :: i
 
       associate (stated => allan%stated%term(term), tau => allan%curve%tau)
          if (.not. stated%fitted) return
@@ -176,38 +181,10 @@ contains
          series%label = term_names(term)//if_known(stated%detected, " = ", " ")// &
             to_unicode(coefficient_text(stated)//" "//stated%unit)
          if (.not. stated%detected) return
-         call fill_between(tau(1), tau(size(tau)), series%x)
+         series%x = tau(1)*(tau(size(tau))/tau(1))**[(real(i, dp)/real(steps, dp), i=0, steps)]
          series%y = term_height(term)*allan%noise%coefficient(term)%value*series%x**term_slope(term)
       end associate
    end subroutine set_term
-
-   !> 200 averaging times from the first to the last, so that a line ends where it leaves the frame.
-   pure subroutine fill_between(first, last, tau)
-      real(dp), intent(in) :: first, last
-      real(dp), allocatable, intent(out) :: tau(:)
-      integer, parameter :: n = 200
-      integer :: i
-
-      allocate (tau(n))
-      do i = 1, n
-         tau(i) = first*(last/first)**(real(i - 1, dp)/real(n - 1, dp))
-      end do
-   end subroutine fill_between
-
-   !> The lowest reliable deviation.
-   subroutine set_minimum(series, allan, unit)
-      type(series_type), intent(inout) :: series
-      type(allan_result_type), intent(in) :: allan
-      !> Of averaging times
-      character(*), intent(in) :: unit
-
-      series%style = "mark"
-      series%x = [allan%read%minimum_tau]
-      series%y = [allan%read%minimum]
-      series%label = "lowest reliable "//number(allan%read_off%minimum, 3)//" "// &
-         to_unicode(allan%stated%term(3)%unit)//" at "//number(allan%read_off%minimum_tau, 3)// &
-         " "//unit
-   end subroutine set_minimum
 
    !> Which points the minimum is among.
    pure function minimum_note() result(text)

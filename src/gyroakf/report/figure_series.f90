@@ -3,8 +3,7 @@
 !> outputs of the filters.
 !>
 !> A long series is drawn by the lowest and the highest sample of each block: no peak is lost, and
-!> the figure of a long record is as
-!> small as that of a short one.
+!> the figure of a long record is as small as that of a short one.
 module gyroakf_report_figure_series
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
@@ -24,9 +23,9 @@ module gyroakf_report_figure_series
 
 contains
 
-   !> The record with its outliers, its trend and its drift.
+   !> The record with its outliers, its trend and its drift; without series where it has no samples.
    subroutine build_record_figure(record, number, channel, unit, figure)
-      !> With its samples
+      !> With its samples, or without
       type(record_type), intent(in), target :: record
       !> Of the channel in it
       integer, intent(in) :: number
@@ -38,15 +37,16 @@ contains
       type(figure_type), intent(out) :: figure
       integer(int8), pointer :: present(:)
 
+      if (.not. allocated(record%value)) return
       present => null()
       if (allocated(record%present)) present => record%present(:, number)
       call begin_figure(record, channel%name//", record", unit, figure)
-      figure%caption = "Lowest and highest sample of each block of a long record."
       allocate (figure%series(4))
       call set_series(figure%series(1), "record", -1, record%sample_interval, &
                       record%value(:, number), present)
       if (allocated(channel%series_present)) then
-         call set_outliers(figure%series(2), record, number, channel%series_present)
+         call set_outliers(figure%series(2), record%value(:, number), record%sample_interval, &
+                           channel%series_present, present)
       end if
       if (channel%clean%trend%degree >= 1) call set_trend(figure%series(3), record, channel)
       if (allocated(channel%series_drift) .and. .not. allocated(channel%drift_doubt)) then
@@ -54,19 +54,19 @@ contains
       end if
    end subroutine build_record_figure
 
-   !> The cleaned series and the outputs of the filters.
+   !> The cleaned series and the outputs of the filters; without series where no output was kept.
    subroutine build_filter_figure(record, channel, unit, figure)
       !> For the rate
       type(record_type), intent(in) :: record
-      !> Its cleaned series was kept
+      !> With its cleaned series where an output was kept
       type(channel_result_type), intent(in) :: channel
       !> Of the channel
       character(*), intent(in) :: unit
       !> Ready to be written
       type(figure_type), intent(out) :: figure
 
+      if (.not. (allocated(channel%series_kf) .or. allocated(channel%series_akf))) return
       call begin_figure(record, channel%name//", cleaned and filtered", unit, figure)
-      figure%caption = "Lowest and highest sample of each block of a long record."
       allocate (figure%series(3))
       associate (interval => record%sample_interval)
          call set_series(figure%series(1), "cleaned", -1, interval, channel%series_cleaned, &
@@ -80,7 +80,7 @@ contains
       end associate
    end subroutine build_filter_figure
 
-   !> Title and axes.
+   !> Title, axes and caption.
    subroutine begin_figure(record, title, unit, figure)
       type(record_type), intent(in) :: record
       character(*), intent(in) :: title, unit
@@ -89,19 +89,20 @@ contains
       figure%title = title
       figure%x_label = "time, "//time_unit(record)
       figure%y_label = to_unicode(unit)
+      figure%caption = "Lowest and highest sample of each block of a long record."
    end subroutine begin_figure
 
    !> Every sample of a short series, lowest and highest sample of each block of a long one; NaN
    !> where a block has none.
-   subroutine set_series(series, label, color, interval, values, present)
+   subroutine set_series(series, label, color, interval, values, marks)
       type(series_type), intent(inout) :: series
       character(*), intent(in) :: label
       integer, intent(in) :: color
       real(dp), intent(in) :: interval
       real(dp), intent(in), contiguous :: values(:)
       !> 1 present, 0 missing: [n]; all are present if absent
-      integer(int8), intent(in), optional :: present(:)
-      integer(int64) :: n, length, first, points, ends(2)
+      integer(int8), intent(in), optional :: marks(:)
+      integer(int64) :: n, length, first, last, points, ends(2), k
 
       n = size(values, kind=int64)
       length = 1
@@ -112,48 +113,28 @@ contains
       allocate (series%y, mold=series%x)
       points = 0
       do first = 1, n, length
-         call find_ends(values, first, min(n, first + length - 1), ends, present)
-         call add_point(ends(1))
-         if (ends(2) /= ends(1)) call add_point(ends(2))
+         last = min(n, first + length - 1)
+         ends = first - 1 + block_ends(values(first:last), [(is_present(k, marks), k=first, last)])
+         do k = 1, merge(1, 2, ends(1) == ends(2))
+            points = points + 1
+            series%x(points) = real(ends(k) - 1, dp)*interval
+            series%y(points) = ieee_value(0.0_dp, ieee_quiet_nan)
+            if (ends(k) >= first) series%y(points) = values(ends(k))
+         end do
       end do
       series%x = series%x(:points)
       series%y = series%y(:points)
-
-   contains
-
-      !> A sample, or a break.
-      subroutine add_point(k)
-         integer(int64), intent(in) :: k
-
-         points = points + 1
-         series%x(points) = real(k - 1, dp)*interval
-         series%y(points) = ieee_value(0.0_dp, ieee_quiet_nan)
-         if (k > 0) series%y(points) = values(k)
-      end subroutine add_point
-
    end subroutine set_series
 
    !> The lowest and the highest sample of a block in their order; 0 and 0 where none is present.
-   pure subroutine find_ends(values, first, last, ends, present)
-      real(dp), intent(in), contiguous :: values(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64), intent(out) :: ends(2)
-      integer(int8), intent(in), optional :: present(:)
-      integer(int64) :: k, low, high
+   pure function block_ends(values, there) result(ends)
+      real(dp), intent(in) :: values(:)
+      logical, intent(in) :: there(:)
+      integer(int64) :: ends(2)
 
-      low = 0
-      high = 0
-      do k = first, last
-         if (.not. is_present(k, present)) cycle
-         if (low == 0) then
-            low = k
-            high = k
-         end if
-         if (values(k) < values(low)) low = k
-         if (values(k) > values(high)) high = k
-      end do
-      ends = [min(low, high), max(low, high)]
-   end subroutine find_ends
+      ends = [minloc(values, 1, there, kind=int64), maxloc(values, 1, there, kind=int64)]
+      ends = [minval(ends), maxval(ends)]
+   end function block_ends
 
    !> A sample is there.
    pure logical function is_present(k, marks)
@@ -183,33 +164,25 @@ contains
    end subroutine set_trend
 
    !> The first outliers: samples of the record that the cleaned series does not have.
-   subroutine set_outliers(series, record, number, kept)
+   subroutine set_outliers(series, values, interval, kept, marks)
       type(series_type), intent(inout) :: series
-      type(record_type), intent(in), target :: record
-      integer, intent(in) :: number
+      real(dp), intent(in) :: values(:), interval
       !> 1 where the cleaned series has a sample: [n]
       integer(int8), intent(in) :: kept(:)
-      integer(int8), pointer :: present(:)
-      integer(int64) :: found(max_outliers), k, n
+      !> 1 where the record has one: [n]; everywhere if absent
+      integer(int8), intent(in), optional :: marks(:)
+      integer(int64) :: found(max_outliers), k
+      integer :: n
 
-      present => null()
-      if (allocated(record%present)) present => record%present(:, number)
       n = 0
       do k = 1, size(kept, kind=int64)
          if (kept(k) /= 0_int8 .or. n == max_outliers) cycle
-         if (.not. is_present(k, present)) cycle
+         if (.not. is_present(k, marks)) cycle
          n = n + 1
          found(n) = k
       end do
       if (n == 0) return
-      series%label = "outliers"
-      series%style = "points"
-      series%color = 4
-      allocate (series%x(n), series%y(n))
-      do k = 1, n
-         series%x(k) = real(found(k) - 1, dp)*record%sample_interval
-         series%y(k) = record%value(found(k), number)
-      end do
+      series = series_type("outliers", "points", 4, real(found(:n) - 1, dp)*interval, values(found(:n)))
    end subroutine set_outliers
 
 end module gyroakf_report_figure_series

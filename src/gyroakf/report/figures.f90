@@ -5,7 +5,7 @@
 !>     call write_svg(writer, figures(1)%figure, .true.)
 module gyroakf_report_figures
    use, intrinsic :: iso_c_binding, only : c_char, c_null_char, c_size_t
-   use gyroakf_pipeline_result, only : pipeline_result_type, stage
+   use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_figure_allan, only : build_allan_figure, build_overlay
    use gyroakf_report_figure_series, only : build_filter_figure, build_record_figure
@@ -59,21 +59,30 @@ contains
       !> Those that have points, channel by channel; may be none
       type(named_figure_type), allocatable, intent(out) :: figures(:)
       type(named_figure_type), allocatable :: built(:)
+      type(record_type) :: view
       integer :: c, i, n
 
-      allocate (built(size(figure_kinds)*size(result%channel)))
-      n = 0
+      allocate (built(1 + size(figure_kinds)*size(result%channel)))
+      n = 1
       do c = 1, size(result%channel)
+         call view_channel(record, c, view)
          do i = 1, size(figure_kinds)
-            call build_figure(figure_kinds(i), record, result, c, built(n + 1)%figure)
-            if (.not. has_points(built(n + 1)%figure)) cycle
-            n = n + 1
+            associate (channel => result%channel(c), figure => built(n)%figure)
+               select case (figure_kinds(i))
+               case ("overlay"); call build_overlay(record, result, c, figure)
+               case ("allan"); call build_allan_figure(view, channel, figure)
+               case ("series"); call build_record_figure(record, c, channel, unit_name(view), figure)
+               case default; call build_filter_figure(record, channel, unit_name(view), figure)
+               end select
+               if (.not. has_points(figure)) cycle
+            end associate
             built(n)%kind = figure_kinds(i)
             built(n)%channel = c
             built(n)%name = figure_folder//"/"//trim(figure_kinds(i))//suffix_of(result, c)//".svg"
+            n = n + 1
          end do
       end do
-      allocate (figures(n), source=built(:n))
+      allocate (figures(n - 1), source=built(:n - 1))
    end subroutine build_figures
 
    !> The files of a folder of results that have names of figures.
@@ -102,37 +111,6 @@ contains
          first = last + 2
       end do
    end subroutine find_figures
-
-   !> Builds a figure of a channel; without series where the channel has none of the kind.
-   subroutine build_figure(kind, record, result, c, figure)
-      !> One of `figure_kinds`
-      character(*), intent(in) :: kind
-      !> With its samples
-      type(record_type), intent(in) :: record
-      !> What came out
-      type(pipeline_result_type), intent(in) :: result
-      !> Number of the channel
-      integer, intent(in) :: c
-      type(figure_type), intent(out) :: figure
-      type(record_type) :: view
-
-      call view_channel(record, c, view)
-      associate (channel => result%channel(c))
-         select case (kind)
-         case ("overlay"); call build_overlay(record, result, c, figure)
-         case ("allan")
-            if (channel%allan(stage%input)%available) call build_allan_figure(view, channel, figure)
-         case ("series")
-            if (allocated(record%value)) then
-               call build_record_figure(record, c, channel, unit_name(view), figure)
-            end if
-         case default
-            if (allocated(channel%series_kf) .or. allocated(channel%series_akf)) then
-               call build_filter_figure(record, channel, unit_name(view), figure)
-            end if
-         end select
-      end associate
-   end subroutine build_figure
 
    !> "" of a single channel, else "-" and its name in letters that every file system takes, with
    !> its number where two are alike.

@@ -159,12 +159,17 @@ contains
          if (i > n) names(i) = figures(i - n)%name
          call open_writer(writer(i), directory//"/"//trim(names(i)), error)
          if (allocated(error)) exit
-         if (i > n) then
-            call write_svg(writer(i), figures(i - n)%figure, .true.)
-         else
-            call write_file(writer(i), trim(names(i)), command, record, options, result, figures, series, error, progress, &
-                            command_line, chart)
-         end if
+         select case (names(i))
+         case ("report.txt"); call write_report(writer(i), command, record, options, result, chart)
+         case ("results.json"); call write_document(writer(i), record, result, command_line)
+         case ("report.html")
+            call write_page(writer(i), command, record, result, figures, command_line)
+         case ("series.csv", "series.npy", "series.f64")
+            call write_series(writer(i), record, result, series, error, progress)
+         case default
+            if (i > n) call write_svg(writer(i), figures(i - n)%figure, .true.)
+            if (i <= n) call write_table(writer(i), trim(names(i)), result, record%sample_interval)
+         end select
          if (.not. allocated(error)) call complete_writer(writer(i), error)
          if (allocated(error)) exit
          deallocate (writer(i)%buffer)
@@ -175,30 +180,5 @@ contains
          if (allocated(error)) call discard_writer(writer(i))
       end do
    end subroutine write_results
-
-   !> Content of one file.
-   subroutine write_file(writer, name, command, record, options, result, figures, series, error, progress, &
-                         command_line, chart)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name, command
-      type(record_type), intent(in) :: record
-      type(pipeline_options), intent(in) :: options
-      type(pipeline_result_type), intent(in) :: result
-      type(named_figure_type), intent(in) :: figures(:)
-      type(series_output_type), intent(in) :: series
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-      character(*), intent(in), optional :: command_line
-      logical, intent(in), optional :: chart
-
-      select case (name)
-      case ("report.txt"); call write_report(writer, command, record, options, result, chart)
-      case ("results.json"); call write_document(writer, record, result, command_line)
-      case ("report.html"); call write_page(writer, command, record, result, figures, command_line)
-      case ("series.csv", "series.npy", "series.f64")
-         call write_series(writer, record, result, series, error, progress)
-      case default; call write_table(writer, name, result, record%sample_interval)
-      end select
-   end subroutine write_file
 
 end module gyroakf_report_files

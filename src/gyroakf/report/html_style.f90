@@ -2,7 +2,7 @@
 !> How a page looks: light and dark, wide and narrow, on paper.
 module gyroakf_report_html_style
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_report_svg_style, only : put_svg_style
+   use gyroakf_report_svg, only : put_svg_style
    implicit none (type, external)
    private
    public :: put_style

@@ -54,9 +54,11 @@ contains
       type(pipeline_result_type), intent(in) :: result
       !> As that of [[check_kalibr]]; or a channel has no N or no K
       type(error_type), allocatable, intent(out) :: error
+      integer :: measured(size(result%channel))
 
       call check_kalibr(record, error)
-      if (.not. allocated(error)) call check_coefficients(record, result, error)
+      measured = quantities(record)
+      if (.not. allocated(error)) call check_coefficients()
       if (allocated(error)) return
       call put_line(writer, "# Noise of an inertial sensor for Kalibr (imu.yaml), by gyroakf "//release_string)
       call put_line(writer, "# from "//plain(record%path)//": "//count_text(sample_count(record))//" samples, "// &
@@ -70,82 +72,96 @@ contains
       call put_line(writer, "")
       call put_line(writer, kalibr_mark)
       call put_line(writer, "update_rate: "//rate_text(1.0_dp/record%sample_interval)//"  # Hz")
-      call put_sensor(writer, record, result, quantity%acceleration, "accelerometer", "m/s^2", "m/s^3", "m/s^2 or g")
-      call put_sensor(writer, record, result, quantity%angular_rate, "gyroscope", "rad/s", "rad/s^2", "rad/s or deg/s")
-      call put_remarks(writer, record, result)
-   end subroutine write_kalibr
+      call put_sensor(quantity%acceleration, "accelerometer", "m/s^2", "m/s^3", "m/s^2 or g")
+      call put_sensor(quantity%angular_rate, "gyroscope", "rad/s", "rad/s^2", "rad/s or deg/s")
+      call put_remarks()
 
-   !> Every channel that is used has N and K, or at least their limits.
-   subroutine check_coefficients(record, result, error)
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: reason
-      integer :: what(size(result%channel)), c, term
+   contains
 
-      what = quantities(record)
-      do c = 1, size(result%channel)
-         if (what(c) == quantity%unknown) cycle
-         associate (channel => result%channel(c), allan => result%channel(c)%allan(stage%input))
-            if (.not. allan%fitted) then
-               reason = ""
-               if (allocated(channel%unavailable)) reason = ": "//channel%unavailable(1)%text
-               call fatal_error(error, status%constant_input, "Kalibr's file needs N and K, and '"//channel%name// &
-                                "' has no coefficients"//reason)
-               return
-            end if
-            do term = white, walk, walk - white
-               if (strength(allan%stated%term(term)) > 0.0_dp) cycle
-               call fatal_error(error, status%invalid_argument, "Kalibr's file needs N and K, and "//term_names(term)//" of '"// &
-                                channel%name//"' was not fitted: --terms has to name N and K, or be left out")
-               return
+      !> Every channel that is used has N and K, or at least their limits.
+      subroutine check_coefficients()
+         character(:), allocatable :: reason
+         integer :: c, term
+
+         do c = 1, size(measured)
+            if (measured(c) == quantity%unknown) cycle
+            associate (channel => result%channel(c), allan => result%channel(c)%allan(stage%input))
+               if (.not. allan%fitted) then
+                  reason = ""
+                  if (allocated(channel%unavailable)) reason = ": "//channel%unavailable(1)%text
+                  call fatal_error(error, status%constant_input, "Kalibr's file needs N and K, and '"// &
+                                   channel%name//"' has no coefficients"//reason)
+                  return
+               end if
+               do term = white, walk, walk - white
+                  if (strength(allan%stated%term(term)) > 0.0_dp) cycle
+                  call fatal_error(error, status%invalid_argument, &
+                                   "Kalibr's file needs N and K, and "//term_names(term)//" of '"// &
+                                   channel%name//"' was not fitted: --terms has to name N and K, "// &
+                                   "or be left out")
+                  return
+               end do
+            end associate
+         end do
+      end subroutine check_coefficients
+
+      !> The two lines of a sensor, and its axes below each.
+      subroutine put_sensor(what, sensor, density_unit, walk_unit, asked)
+         integer, intent(in) :: what
+         character(*), intent(in) :: sensor, density_unit, walk_unit, asked
+
+         call put_line(writer, "")
+         if (all(measured /= what)) then
+            call put_line(writer, "# The record has no channel in "//asked//": fill in the "//sensor// &
+                          "'s numbers.")
+            call put_line(writer, "#"//sensor//"_noise_density:  # "//density_unit//"/sqrt(Hz)")
+            call put_line(writer, "#"//sensor//"_random_walk:  # "//walk_unit//"/sqrt(Hz)")
+            return
+         end if
+         call put_number(what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
+         call put_number(what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
+      end subroutine put_sensor
+
+      !> The largest of the axes, then each of them.
+      subroutine put_number(what, term, key, unit)
+         integer, intent(in) :: what, term
+         character(*), intent(in) :: key, unit
+         character(:), allocatable :: text
+         logical :: of(size(measured))
+         integer :: c, largest
+
+         of = measured == what
+         associate (stated => result%channel%allan(stage%input)%stated%term(term))
+            largest = maxloc(strength(stated), dim=1, mask=of)
+            text = key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "// &
+                   term_names(term)//" of "//plain(result%channel(largest)%name)
+            if (.not. stated(largest)%detected) text = text//" is not detectable: its 95 % upper limit"
+            call put_line(writer, text)
+            do c = 1, size(of)
+               if (of(c)) call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//axis_text(stated(c)))
             end do
          end associate
-      end do
-   end subroutine check_coefficients
+      end subroutine put_number
 
-   !> The two lines of a sensor, and its axes below each.
-   subroutine put_sensor(writer, record, result, what, sensor, density_unit, walk_unit, asked)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      integer, intent(in) :: what
-      character(*), intent(in) :: sensor, density_unit, walk_unit, asked
+      !> Channels whose unit is not known, and those whose Allan deviation the terms do not describe.
+      subroutine put_remarks()
+         character(:), allocatable :: name
+         integer :: c
 
-      call put_line(writer, "")
-      if (all(quantities(record) /= what)) then
-         call put_line(writer, "# The record has no channel in "//asked//": fill in the "//sensor//"'s numbers.")
-         call put_line(writer, "#"//sensor//"_noise_density:  # "//density_unit//"/sqrt(Hz)")
-         call put_line(writer, "#"//sensor//"_random_walk:  # "//walk_unit//"/sqrt(Hz)")
-         return
-      end if
-      call put_number(writer, record, result, what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
-      call put_number(writer, record, result, what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
-   end subroutine put_sensor
-
-   !> The largest of the axes, then each of them.
-   subroutine put_number(writer, record, result, what, term, key, unit)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      integer, intent(in) :: what, term
-      character(*), intent(in) :: key, unit
-      character(:), allocatable :: text
-      logical :: of(size(result%channel))
-      integer :: c, largest
-
-      of = quantities(record) == what
-      associate (stated => result%channel%allan(stage%input)%stated%term(term))
-         largest = maxloc(strength(stated), dim=1, mask=of)
-         text = key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "//term_names(term)// &
-                " of "//plain(result%channel(largest)%name)
-         if (.not. stated(largest)%detected) text = text//" is not detectable: its 95 % upper limit"
-         call put_line(writer, text)
-         do c = 1, size(of)
-            if (of(c)) call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//axis_text(stated(c)))
+         do c = 1, size(measured)
+            name = plain(result%channel(c)%name)
+            associate (allan => result%channel(c)%allan(stage%input))
+               if (measured(c) == quantity%unknown) then
+                  call put_line(writer, lf//"# not used: "//name//", its unit is not known")
+               else if (allan%fitted .and. .not. allan%noise%described) then
+                  call put_line(writer, lf//"# "//name//": "//not_described// &
+                                "; --fit-tau-min and --fit-tau-max fit a range")
+               end if
+            end associate
          end do
-      end associate
-   end subroutine put_number
+      end subroutine put_remarks
+
+   end subroutine write_kalibr
 
    !> The coefficient of one axis, in SI.
    pure function axis_text(stated) result(text)
@@ -167,28 +183,6 @@ contains
       if (.not. stated%fitted) return
       strength = merge(stated%value_si, stated%upper_limit_si, stated%detected)
    end function strength
-
-   !> Channels whose unit is not known, and those whose Allan deviation the terms do not describe.
-   subroutine put_remarks(writer, record, result)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      character(:), allocatable :: name
-      integer :: what(size(result%channel)), c
-
-      what = quantities(record)
-      do c = 1, size(result%channel)
-         name = plain(result%channel(c)%name)
-         associate (allan => result%channel(c)%allan(stage%input))
-            if (what(c) == quantity%unknown) then
-               call put_line(writer, lf//"# not used: "//name//", its unit is not known")
-            else if (allan%fitted .and. .not. allan%noise%described) then
-               call put_line(writer, lf//"# "//name//": "//not_described// &
-                             "; --fit-tau-min and --fit-tau-max fit a range")
-            end if
-         end associate
-      end do
-   end subroutine put_remarks
 
    !> What the channels measure.
    pure function quantities(record) result(what)

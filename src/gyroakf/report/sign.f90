@@ -42,8 +42,7 @@ contains
 
       do row = 1, size(signs)
          last = i + len_trim(signs(row)%ascii) - 1
-         if (last > len(text)) cycle
-         if (text(i:last) /= signs(row)%ascii) cycle
+         if (text(i:min(last, len(text))) /= signs(row)%ascii) cycle
          if (.not. signs(row)%word) return
          if (stands_alone(text, i, last)) return
       end do
@@ -54,13 +53,12 @@ contains
    pure logical function stands_alone(text, first, last)
       character(*), intent(in) :: text
       integer, intent(in) :: first, last
+      character(len(text) + 3) :: padded
 
-      stands_alone = .true.
-      if (first > 1) stands_alone = scan(text(first - 1:first - 1), letters//digits//"_-.") == 0
-      if (last == len(text)) return
-      stands_alone = stands_alone .and. scan(text(last + 1:last + 1), letters//digits//"_-") == 0
-      if (last + 1 == len(text)) return
-      if (text(last + 1:last + 1) == ".") stands_alone = stands_alone .and. scan(text(last + 2:last + 2), letters//digits) == 0
+      padded = " "//text
+      stands_alone = scan(padded(first:first), letters//digits//"_-.") == 0 .and. &
+         scan(padded(last + 2:last + 2), letters//digits//"_-") == 0 .and. &
+         .not. (padded(last + 2:last + 2) == "." .and. scan(padded(last + 3:last + 3), letters//digits) > 0)
    end function stands_alone
 
    !> The closing bracket of "sqrt(...)" that begins at a byte and has only letters and digits inside, 0 where none does.
@@ -69,17 +67,14 @@ contains
       character(*), intent(in) :: text
       !> 1 to its length
       integer, intent(in) :: i
+      integer :: length
 
       last = 0
-      if (i + 6 > len(text)) return
-      if (text(i:i + 4) /= "sqrt(") return
+      if (text(i:min(i + 4, len(text))) /= "sqrt(") return
       if (.not. stands_alone(text, i, i + 3)) return
-      last = i + 4 + verify(text(i + 5:), letters//digits)
-      if (last == i + 4 .or. last == i + 5) then
-         last = 0
-      else if (text(last:last) /= ")") then
-         last = 0
-      end if
+      length = verify(text(i + 5:), letters//digits)
+      if (length < 2) return
+      if (text(i + 4 + length:i + 4 + length) == ")") last = i + 4 + length
    end function find_root
 
    !> The last byte of a power, as "^2" or "^1.5", that begins at a byte, 0 where none does.
@@ -92,14 +87,9 @@ contains
       last = 0
       if (i >= len(text) .or. i == 1) return
       if (text(i:i) /= "^" .or. scan(text(i + 1:i + 1), digits) == 0) return
-      last = i + 1
-      do while (last < len(text))
-         if (text(last + 1:last + 1) == "." .and. last + 1 < len(text)) then
-            if (scan(text(last + 2:last + 2), digits) == 0) exit
-         else if (scan(text(last + 1:last + 1), digits) == 0) then
-            exit
-         end if
-         last = last + 1
+      last = i + verify(text(i + 1:)//" ", digits//".") - 1
+      do while (text(last:last) == ".")
+         last = last - 1
       end do
    end function find_power
 

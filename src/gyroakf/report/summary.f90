@@ -6,15 +6,13 @@ module gyroakf_report_summary
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : put, put_line, writer_type
    use gyroakf_report_json, only : json_type
-   use gyroakf_report_summary_row, only : summarise, summarise_failure, &
-      summary_row_type
+   use gyroakf_report_summary_row, only : summarise, summary_row_type
    use gyroakf_report_text_layout, only : plural, put_paragraph, report_width
    use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, table_type
    use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
    private
-   public :: summary_row_type, summarise, summarise_failure, write_summary_csv, &
-      write_summary_json, write_summary_table
+   public :: summary_row_type, summarise, write_summary_csv, write_summary_json, write_summary_table
 
    !> A file's name has at least so many characters in the table, and a channel's at most
    integer, parameter :: least_name = 12, most_channel = 12

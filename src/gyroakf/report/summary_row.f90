@@ -11,16 +11,14 @@ module gyroakf_report_summary_row
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document, only : gather_warnings
    use gyroakf_report_json, only : json_text, json_type
-   use gyroakf_report_text_layout, only : count_text, number
+   use gyroakf_report_text_layout, only : count_text, if_known, number
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
-   public :: summary_row_type, summarise, summarise_failure
+   public :: summary_row_type, summarise
 
    !> One file
    type :: summary_row_type
-      !> Path as it was given, and its result folder; "" where there is none
-      character(:), allocatable :: path, folder
       !> What a run of this file alone would end with: 0 done, 2 the data or a file, 3 a numerical
       !> failure, or a crash
       integer :: code = 0
@@ -41,8 +39,9 @@ module gyroakf_report_summary_row
 
 contains
 
-   !> A file that was worked on.
-   subroutine summarise(command, path, folder, record, row, result)
+   !> A file that was worked on, or that failed: then with a record that was not read, which has
+   !> no channels.
+   subroutine summarise(command, path, folder, record, row, result, code, message)
       !> run, inspect, allan, tests, ar, filter
       character(*), intent(in) :: command
       !> As it was given
@@ -55,51 +54,19 @@ contains
       type(summary_row_type), intent(out) :: row
       !> What came out; absent for inspect
       type(pipeline_result_type), intent(in), optional :: result
-
-      call build_row(row, command, path, folder, record, result)
-   end subroutine summarise
-
-   !> A file that failed.
-   subroutine summarise_failure(command, path, folder, code, message, row)
-      !> run, inspect, allan, tests, ar, filter
-      character(*), intent(in) :: command
-      !> As it was given
-      character(*), intent(in) :: path
-      !> Of its results, "" where none are written
-      character(*), intent(in) :: folder
-      !> What a run of this file alone would end with
-      integer, intent(in) :: code
+      !> What a run of this file alone would end with (default 0: done)
+      integer, intent(in), optional :: code
       !> What went wrong
-      character(*), intent(in) :: message
-      !> The row
-      type(summary_row_type), intent(out) :: row
-      type(record_type) :: unread
-      integer :: i
-
-      row%code = code
-      row%message = message
-      call build_row(row, command, path, folder, unread)
-      do i = 2, size(row%heads)
-         row%cell(1, i)%text = ""
-      end do
-      row%cell(1, 2)%text = "failed"
-   end subroutine summarise_failure
-
-   !> All forms of a row with its code and message; a record that could not be read has no channels.
-   subroutine build_row(row, command, path, folder, record, result)
-      type(summary_row_type), intent(inout) :: row
-      character(*), intent(in) :: command, path, folder
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in), optional :: result
+      character(*), intent(in), optional :: message
       type(channel_result_type) :: nothing
       type(text_type), allocatable :: warnings(:)
       character(:), allocatable :: text
       type(json_type) :: json
       integer :: c, n
 
-      row%path = path
-      row%folder = folder
-      if (.not. allocated(row%message)) row%message = ""
+      row%message = ""
+      if (present(code)) row%code = code
+      if (present(message)) row%message = message
       row%csv = ""
       call gather_warnings(record, warnings, result)
       call json%open("")                                   ! as deep as it stands in the whole document
@@ -116,51 +83,49 @@ contains
       n = 1
       if (allocated(record%channel)) n = size(record%channel)
       do c = 1, n
-         if (present(result)) then
-            call add_channel(row, json, command, record, c, n, warnings, result%channel(c))
-         else
-            call add_channel(row, json, command, record, c, n, warnings, nothing)
-         end if
+         if (present(result)) call add_channel(result%channel(c))
+         if (.not. present(result)) call add_channel(nothing)
       end do
       call json%close()
       call json%close()
       text = json_text(json)
       row%json = text(index(text, "[") + index(text(index(text, "["):), "{") - 1:)
-   end subroutine build_row
 
-   !> A channel in all forms; the message of its line is the error, or else the first warning.
-   subroutine add_channel(row, json, command, record, c, n, warnings, channel)
-      type(summary_row_type), intent(inout) :: row
-      type(json_type), intent(inout) :: json
-      character(*), intent(in) :: command
-      type(record_type), intent(in) :: record
-      !> Number of the channel; how many there are
-      integer, intent(in) :: c, n
-      type(text_type), intent(in) :: warnings(:)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: message
-      type(text_type), allocatable :: texts(:)
-      type(csv_row_type) :: csv
+   contains
 
-      if (allocated(record%channel)) call put_channel(json, record, c, channel)
-      message = row%message
-      if (row%code == 0 .and. size(warnings) > 0) message = warnings(1)%text
-      message = message(:index(message//new_line("a"), new_line("a")) - 1)
-      call csv%put("path", row%path)
-      call csv%put("folder", row%folder)
-      call csv%put("exit_code", row%code)
-      call csv%put("warnings", size(warnings))
-      call csv%put("message", message)
-      call put_record(csv, record)
-      call put_channel(csv, record, c, channel)
-      row%csv_head = csv%head
-      row%csv = row%csv//csv%line//new_line("a")
-      call make_cells(command, record, c, channel, row%heads, texts)
-      texts(1)%text = row%path
-      texts(size(texts))%text = count_text(size(warnings, kind=int64))
-      if (c == 1) allocate (row%cell(n, size(texts)))
-      row%cell(c, :) = texts
-   end subroutine add_channel
+      !> A channel in all forms; the message of its line is the error, or else the first warning.
+      subroutine add_channel(channel)
+         type(channel_result_type), intent(in) :: channel
+         type(text_type), allocatable :: texts(:)
+         type(csv_row_type) :: csv
+         integer :: i
+
+         if (allocated(record%channel)) call put_channel(json, record, c, channel)
+         text = row%message
+         if (row%code == 0 .and. size(warnings) > 0) text = warnings(1)%text
+         call csv%put("path", path)
+         call csv%put("folder", folder)
+         call csv%put("exit_code", row%code)
+         call csv%put("warnings", size(warnings))
+         call csv%put("message", text(:index(text//new_line("a"), new_line("a")) - 1))
+         call put_record(csv, record)
+         call put_channel(csv, record, c, channel)
+         row%csv_head = csv%head
+         row%csv = row%csv//csv%line//new_line("a")
+         call make_cells(command, record, c, channel, row%heads, texts)
+         texts(size(texts))%text = count_text(size(warnings, kind=int64))
+         if (row%code /= 0) then
+            do i = 3, size(texts)
+               texts(i)%text = ""
+            end do
+            texts(2)%text = "failed"
+         end if
+         texts(1)%text = path
+         if (c == 1) allocate (row%cell(n, size(texts)))
+         row%cell(c, :) = texts
+      end subroutine add_channel
+
+   end subroutine summarise
 
    !> What was read; nothing is known of a record without channels.
    subroutine put_record(out, record)
@@ -247,8 +212,7 @@ contains
       !> [at least 4] file, channel, samples, ..., warnings; and the cells below them
       type(text_type), allocatable, intent(out) :: heads(:), texts(:)
       type(record_type) :: view
-      character(:), allocatable :: verdict
-      real(dp) :: phi
+      character(:), allocatable :: text
       integer :: n
 
       allocate (heads(8), texts(8))
@@ -263,35 +227,35 @@ contains
       associate (is => channel%available)
          select case (command)
          case ("inspect")
-            call add("rate Hz", known_number(1.0_dp/record%sample_interval, record%rate_known))
+            call add_number("rate Hz", 1.0_dp/record%sample_interval, record%rate_known)
             call add("unit", "")
             if (allocated(view%unit%name)) texts(n)%text = view%unit%name
             call add("missing", count_text(record%audit%missing))
             call add("gaps", count_text(record%audit%gaps))
          case ("tests")
-            call add("ADF p", known_number(channel%adf%p_value, is%adf))
-            call add("Jarque-Bera", known_number(channel%jarque_bera%p_value, is%jarque_bera))
-            call add("Ljung-Box", known_number(channel%ljung_box%p_value, is%ljung_box))
+            call add_number("ADF p", channel%adf%p_value, is%adf)
+            call add_number("Jarque-Bera", channel%jarque_bera%p_value, is%jarque_bera)
+            call add_number("Ljung-Box", channel%ljung_box%p_value, is%ljung_box)
          case ("ar")
-            call add("order", known_number(real(channel%ar%order, dp), is%ar))
-            call add("noise var.", known_number(channel%ar%noise_variance, is%ar))
-            phi = 0.0_dp
-            if (is%ar .and. channel%ar%order > 0) phi = channel%ar%coefficient(1)
-            call add("phi 1", known_number(phi, is%ar .and. channel%ar%order > 0))
+            call add_number("order", real(channel%ar%order, dp), is%ar)
+            call add_number("noise var.", channel%ar%noise_variance, is%ar)
+            text = "-"
+            if (is%ar .and. channel%ar%order > 0) text = number(channel%ar%coefficient(1), table_digits)
+            call add("phi 1", text)
          case ("filter")
-            call add("variance", known_number(channel%cleaned%variance, .true.))
-            call add("KF", known_number(channel%kf%variance, is%kf))
-            call add("AKF", known_number(channel%akf%variance, is%akf))
-            call add("AKF passes", known_number(channel%akf%dc_gain, is%akf))
+            call add_number("variance", channel%cleaned%variance, .true.)
+            call add_number("KF", channel%kf%variance, is%kf)
+            call add_number("AKF", channel%akf%variance, is%akf)
+            call add_number("AKF passes", channel%akf%dc_gain, is%akf)
          case default
             associate (term => channel%allan(stage%input)%stated%term)
                call add("N", coefficient_text(term(2)))
                call add("B", coefficient_text(term(3)))
                call add("K", coefficient_text(term(4)))
             end associate
-            verdict = "-"
-            if (channel%verdict%known) verdict = trim(verdict_text(channel))
-            call add("noise", verdict)
+            text = "-"
+            if (channel%verdict%known) text = trim(verdict_text(channel))
+            call add("noise", text)
          end select
       end associate
       call add("warnings", "")
@@ -309,6 +273,14 @@ contains
          texts(n)%text = text
       end subroutine add
 
+      subroutine add_number(head, value, known)
+         character(*), intent(in) :: head
+         real(dp), intent(in) :: value
+         logical, intent(in) :: known
+
+         call add(head, if_known(known, number(value, table_digits), "-"))
+      end subroutine add_number
+
    end subroutine make_cells
 
    !> "0.3005 deg/sqrt(h)", "< 8.6 deg/h^1.5", "-".
@@ -321,15 +293,5 @@ contains
       text = "< "//number(stated%upper_limit, 3)//" "//stated%unit
       if (stated%detected) text = number(stated%value, table_digits)//" "//stated%unit
    end function coefficient_text
-
-   !> A number of the table, "-" where it is not known.
-   pure function known_number(value, known) result(text)
-      real(dp), intent(in) :: value
-      logical, intent(in) :: known
-      character(:), allocatable :: text
-
-      text = "-"
-      if (known) text = number(value, table_digits)
-   end function known_number
 
 end module gyroakf_report_summary_row

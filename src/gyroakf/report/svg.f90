@@ -11,12 +11,11 @@ module gyroakf_report_svg
    use gyroakf_report_html_markup, only : put_attribute, put_number_attribute
    use gyroakf_report_axis, only : axis_type, find_ticks, is_shown, position, scale_axis, &
       set_range, tick_type
-   use gyroakf_report_svg_draw, only : put_path, put_pixels, put_text
-   use gyroakf_report_svg_series, only : any_within, legend_bottom, put_legend, put_series, series_type
-   use gyroakf_report_svg_style, only : put_own_style
+   use gyroakf_report_svg_series, only : legend_bottom, outside, places, put_legend, put_path, &
+      put_pixels, put_series, put_text, series_type
    implicit none (type, external)
    private
-   public :: figure_type, write_svg, has_points, set_axes
+   public :: figure_type, write_svg, has_points, put_svg_style
 
    !> A figure
    type :: figure_type
@@ -40,6 +39,30 @@ module gyroakf_report_svg
       bottom = 368.0_dp, legend_top = 446.0_dp
    !> Spacing of labels along the axes
    real(dp), parameter :: x_spacing = 78.0_dp, y_spacing = 34.0_dp
+
+   !> Colors of a document of its own; a page has the same variables
+   character(*), parameter :: own_style(*) = [character(128) :: &
+      "svg { --text: #1b1d20; --soft: #565c64; --card: #fff; --line: #cfd3d8; background: var(--card) }", &
+      "@media screen and (prefers-color-scheme: dark) { svg { --text: #e6e7e9; --soft: #a9b0b9; --card: #16181b;", &
+      "  --line: #3d434b } }"]
+   !> Colors of the series are those of Okabe and Ito, distinguishable by the color-blind
+   character(*), parameter :: style(*) = [character(128) :: &
+      ".fig { color: var(--text) } .fig .soft { color: var(--soft) } .fig text { fill: var(--text);", &
+      "  font: 13px system-ui, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif } .fig .title { font-weight: 600 }", &
+      ".fig .middle { text-anchor: middle } .fig .end { text-anchor: end }", &
+      ".fig .c1 { color: #0072b2 } .fig .c2 { color: #d55e00 } .fig .c3 { color: #008a63 } .fig .c4 { color: #b0558a }", &
+      ".fig .c5 { color: #b07d00 } .fig .c6 { color: #3c93c9 }", &
+      "@media screen and (prefers-color-scheme: dark) { .fig .c1 { color: #58b1ec } .fig .c2 { color: #ff8a3d }", &
+      "  .fig .c3 { color: #33c79a } .fig .c4 { color: #e59ac7 } .fig .c5 { color: #f0c24f } .fig .c6 { color: #a5d8f8 } }", &
+      ".fig path { fill: none; stroke: currentColor; stroke-width: 1.6; stroke-linejoin: round }", &
+      ".fig .grid { stroke: var(--line); stroke-width: 1 } .fig .minor { opacity: 0.45 } .fig .frame { stroke: var(--soft) }", &
+      ".fig .soft path { stroke-width: 1; opacity: 0.75 } .fig .guide path { stroke-dasharray: 7 4 }", &
+      ".fig .mark path { stroke-width: 2.4 }", &
+      ".fig .both path, .fig .points path { stroke-width: 1.3 } .fig .dot { fill: currentColor }", &
+      ".fig .hollow { fill: var(--card) }", &
+      ".plot .key { cursor: pointer } .fig .off { opacity: 0.4 } .fig .series.off { display: none }", &
+      "@media (max-width: 40rem) { .fig text { font-size: 20px } }", &
+      "@media print { .fig text { font-size: 13px } }"]
 
 contains
 
@@ -66,7 +89,12 @@ contains
       call put_pixels(writer, " height=""", extent(2:), """")
       if (.not. alone) call put_scales(writer, x, y)
       call put_line(writer, ">")
-      if (alone) call put_own_style(writer)
+      if (alone) then
+         call put_line(writer, "<style>")
+         call put_lines(writer, own_style)
+         call put_svg_style(writer)
+         call put_line(writer, "</style>")
+      end if
       call put_text(writer, "title", 12.0_dp, 22.0_dp, figure%title)
       call put_axes(writer, figure, x, y)
       if (figure%logarithmic) call put_slopes(writer, figure, x, y)
@@ -76,6 +104,25 @@ contains
       call put_legend(writer, figure%series, legend_top)
       call put_line(writer, "</svg>")
    end subroutine write_svg
+
+   !> The rules that a page needs for its figures; they take the variables --text, --soft, --card
+   !> and --line of the page.
+   subroutine put_svg_style(writer)
+      !> Within a style element
+      type(writer_type), intent(inout) :: writer
+
+      call put_lines(writer, style)
+   end subroutine put_svg_style
+
+   subroutine put_lines(writer, lines)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: lines(:)
+      integer :: i
+
+      do i = 1, size(lines)
+         call put_line(writer, trim(lines(i)))
+      end do
+   end subroutine put_lines
 
    !> What the script of a page takes to turn pixels into values: of either axis the pixels and the
    !> values of its ends, decimal logarithms of a logarithmic one.
@@ -97,50 +144,42 @@ contains
    pure logical function has_points(figure)
       !> Any
       type(figure_type), intent(in) :: figure
-      integer :: i
+      real(dp) :: low(2), high(2)
 
-      has_points = .false.
-      if (.not. allocated(figure%series)) return
-      do i = 1, size(figure%series)
-         if (.not. has_points) has_points = any(are_shown(figure, figure%series(i)))
-      end do
+      call find_range(figure, low, high)
+      has_points = all(low <= high)
    end function has_points
 
-   !> Which points of a series can be shown and count for the ranges.
-   pure function are_shown(figure, series) result(shown)
+   !> Lowest and highest x and y of the points that can be shown, but those of guides.
+   pure subroutine find_range(figure, low, high)
       type(figure_type), intent(in) :: figure
-      type(series_type), intent(in) :: series
+      real(dp), intent(out) :: low(2), high(2)
       logical, allocatable :: shown(:)
       type(axis_type) :: axis
-
-      axis%logarithmic = figure%logarithmic
-      if (.not. allocated(series%x) .or. series%style == "guide") then
-         allocate (shown(0))
-      else
-         shown = is_shown(axis, series%x) .and. is_shown(axis, series%y)
-      end if
-   end function are_shown
-
-   !> Axes that hold all points but those of guides.
-   pure subroutine set_axes(figure, x, y)
-      !> [[has_points]] holds
-      type(figure_type), intent(in) :: figure
-      !> Pixels from the left and from the top
-      type(axis_type), intent(out) :: x, y
-      real(dp) :: low(2), high(2)
-      logical, allocatable :: shown(:)
       integer :: i
 
       low = huge(low)
       high = -huge(high)
+      if (.not. allocated(figure%series)) return
+      axis%logarithmic = figure%logarithmic
       do i = 1, size(figure%series)
-         shown = are_shown(figure, figure%series(i))
-         if (.not. any(shown)) cycle
          associate (s => figure%series(i))
+            if (.not. allocated(s%x) .or. s%style == "guide") cycle
+            shown = is_shown(axis, s%x) .and. is_shown(axis, s%y)
             low = min(low, [minval(s%x, mask=shown), minval(s%y, mask=shown)])
             high = max(high, [maxval(s%x, mask=shown), maxval(s%y, mask=shown)])
          end associate
       end do
+   end subroutine find_range
+
+   !> Axes that hold all points but those of guides.
+   pure subroutine set_axes(figure, x, y)
+      type(figure_type), intent(in) :: figure
+      !> Pixels from the left and from the top
+      type(axis_type), intent(out) :: x, y
+      real(dp) :: low(2), high(2)
+
+      call find_range(figure, low, high)
       x = axis_type(figure%logarithmic, from=left, to=right)
       y = axis_type(figure%logarithmic, from=bottom, to=top)
       call set_range(x, low(1), high(1), merge(0.03_dp, 0.0_dp, figure%logarithmic))
@@ -202,7 +241,9 @@ contains
       character(4), parameter :: name(-1:1) = [character(4) :: "-1/2", "0", "+1/2"]
       real(dp), parameter :: label_width = 40.0_dp
       real(dp) :: rise, length, at(2)
-      integer :: corner, slope
+      real(dp), allocatable :: point(:, :)
+      logical :: free
+      integer :: corner, slope, i
 
       rise = 0.5_dp*abs((y%to - y%from)/(y%last - y%first))*(x%last - x%first)/(x%to - x%from)
       length = min(60.0_dp, 36.0_dp/rise)
@@ -210,7 +251,14 @@ contains
          at = [left + 12.0_dp, bottom - 16.0_dp - rise*length]
          if (modulo(corner, 2) == 0) at(1) = right - length - label_width - 12.0_dp
          if (corner == 2 .or. corner == 3) at(2) = top + 16.0_dp + rise*length
-         if (.not. any_within(figure%series, x, y, at, [length + label_width, rise*length + 12.0_dp])) exit
+         free = .true.
+         do i = 1, size(figure%series)
+            point = places(figure%series(i), x, y)
+            free = free .and. .not. any(point(1, :) > max(outside, at(1) - 6.0_dp) .and. &
+               point(1, :) < at(1) + length + label_width .and. &
+               abs(point(2, :) - at(2)) < rise*length + 12.0_dp)
+         end do
+         if (free) exit
       end do
       if (corner > 4) return
       call put_line(writer, "<g class=""soft"">")

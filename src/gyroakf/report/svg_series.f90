@@ -1,17 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Series of a figure in its frame, and their legend below it.
+!> Elements of an SVG: lines, circles, texts; the series of a figure and their legend below it.
 !>
-!> Colors are those of Okabe and Ito, distinguishable by the color-blind. Series and their entries
-!> in the legend share
-!> `data-series`, by which the script of a page shows and hides them.
+!> Series and their entries in the legend share `data-series`, by which the script of a page shows
+!> and hides them.
 module gyroakf_report_svg_series
    use gyroakf_kinds, only : dp
-   use gyroakf_io_writer, only : writer_type, put, put_line
+   use gyroakf_io_writer, only : writer_type, put, put_line, put_real
    use gyroakf_report_axis, only : axis_type, is_inside, is_shown, position
-   use gyroakf_report_svg_draw, only : put_circle, put_path, put_pixels, put_text
+   use gyroakf_report_html_markup, only : put_escaped
    implicit none (type, external)
    private
-   public :: series_type, color_count, put_series, put_legend, legend_bottom, any_within
+   public :: series_type, color_count, put_series, put_legend, legend_bottom, places
+   public :: put_path, put_pixels, put_text
 
    !> What one series draws
    type :: series_type
@@ -34,6 +34,8 @@ module gyroakf_report_svg_series
    integer, parameter :: color_count = 6
    !> Pixels of a legend: its rows, its columns
    real(dp), parameter :: row_height = 26.0_dp, legend_column(0:1) = [12.0_dp, 356.0_dp]
+   !> Pixel of what is not drawn
+   real(dp), parameter, public :: outside = -1.0_dp
    !> Letters that fit into a column on a narrow screen
    integer, parameter :: column_letters = 31
 
@@ -45,19 +47,35 @@ contains
       type(series_type), intent(in) :: series
       integer, intent(in) :: number
       type(axis_type), intent(in) :: x, y
+      real(dp), allocatable :: at(:, :)
       integer :: i
 
       if (.not. allocated(series%x)) return
+      at = places(series, x, y)
       call put_group(writer, "series "//trim(series%style), series, number)
-      if (has_line(series)) call put_polyline(writer, series, x, y)
-      if (any(series%style == [character(6) :: "points", "both", "mark"])) then
-         do i = 1, size(series%x)
-            if (.not. is_inside(x, series%x(i))) cycle
-            if (is_inside(y, series%y(i))) call put_point(writer, series, i, x, y)
-         end do
-      end if
+      if (has_line(series)) call put_path(writer, "", at(1, :), at(2, :))
+      do i = 1, size(at, 2)
+         if (has_dots(series) .and. at(1, i) > outside) call put_point(writer, series, i, at(:, i), y)
+      end do
       call put_line(writer, "</g>")
    end subroutine put_series
+
+   !> Pixels of the points of a series, `outside` where one cannot be shown or is beyond an axis:
+   !> [x and y, point].
+   pure function places(series, x, y) result(at)
+      type(series_type), intent(in) :: series
+      type(axis_type), intent(in) :: x, y
+      real(dp), allocatable :: at(:, :)
+      integer :: i
+
+      i = 0
+      if (allocated(series%x)) i = size(series%x)
+      allocate (at(2, i), source=outside)
+      do i = 1, size(at, 2)
+         if (.not. (is_inside(x, series%x(i)) .and. is_inside(y, series%y(i)))) cycle
+         at(:, i) = [position(x, series%x(i)), position(y, series%y(i))]
+      end do
+   end function places
 
    !> Begins a group; what it holds has the series' color.
    subroutine put_group(writer, class, series, number)
@@ -72,38 +90,16 @@ contains
       call put_pixels(writer, """ data-series=""", [real(number, dp)], """>")
    end subroutine put_group
 
-   !> The points of a series in order, broken where one cannot be shown or is outside.
-   subroutine put_polyline(writer, series, x, y)
-      type(writer_type), intent(inout) :: writer
-      type(series_type), intent(in) :: series
-      type(axis_type), intent(in) :: x, y
-      character(1) :: step
-      logical :: inside
-      integer :: i
-
-      call put(writer, "<path d=""")
-      step = "M"
-      do i = 1, size(series%x)
-         inside = is_inside(x, series%x(i))
-         if (inside) inside = is_inside(y, series%y(i))
-         if (inside) then
-            call put_pixels(writer, step, [position(x, series%x(i)), position(y, series%y(i))], "")
-         end if
-         step = merge("L", "M", inside)
-      end do
-      call put_line(writer, """/>")
-   end subroutine put_polyline
-
    !> A point with its error bar, as far as that is inside; a ring of a mark.
-   subroutine put_point(writer, series, i, x, y)
+   subroutine put_point(writer, series, i, at, y)
       type(writer_type), intent(inout) :: writer
       type(series_type), intent(in) :: series
       integer, intent(in) :: i
-      type(axis_type), intent(in) :: x, y
+      real(dp), intent(in) :: at(2)
+      type(axis_type), intent(in) :: y
       character(:), allocatable :: class
-      real(dp) :: at(2), ends(2)
+      real(dp) :: ends(2)
 
-      at = [position(x, series%x(i)), position(y, series%y(i))]
       if (allocated(series%lower)) then
          if (is_shown(y, series%lower(i)) .and. is_shown(y, series%upper(i))) then
             ends = max(y%to, min(y%from, position(y, [series%lower(i), series%upper(i)])))
@@ -133,27 +129,16 @@ contains
             if (cell(i) < 0) cycle
             at = [legend_column(modulo(cell(i), 2)), top + row_height*real(cell(i)/2, dp)]
             call put_group(writer, "key "//trim(s%style), s, i)
-            if (allocated(s%x)) call put_sample(writer, s, at)
+            if (allocated(s%x)) then
+               if (has_line(s)) call put_path(writer, "", at(1) + [0.0_dp, 28.0_dp], [at(2), at(2)])
+               if (s%style == "mark") call put_circle(writer, "ring", at + [14, 0], 8.0_dp, 0)
+               if (s%style /= "mark" .and. has_dots(s)) call put_circle(writer, "dot", at + [14, 0], 3.8_dp, 0)
+            end if
             call put_text(writer, "start", at(1) + 38.0_dp, at(2) + 5.0_dp, s%label)
             call put_line(writer, "</g>")
          end associate
       end do
    end subroutine put_legend
-
-   !> A sample of what a series draws.
-   subroutine put_sample(writer, series, at)
-      type(writer_type), intent(inout) :: writer
-      type(series_type), intent(in) :: series
-      !> Its left end
-      real(dp), intent(in) :: at(2)
-
-      if (has_line(series)) call put_path(writer, "", at(1) + [0.0_dp, 28.0_dp], [at(2), at(2)])
-      select case (series%style)
-      case ("points", "both"); call put_circle(writer, "dot", at + [14.0_dp, 0.0_dp], 3.8_dp, 0)
-      case ("mark"); call put_circle(writer, "ring", at + [14.0_dp, 0.0_dp], 8.0_dp, 0)
-      case default
-      end select
-   end subroutine put_sample
 
    !> Whether a series is drawn as a line.
    pure logical function has_line(series)
@@ -161,6 +146,13 @@ contains
 
       has_line = any(series%style == [character(6) :: "line", "both", "guide"])
    end function has_line
+
+   !> Whether its points are drawn.
+   pure logical function has_dots(series)
+      type(series_type), intent(in) :: series
+
+      has_dots = any(series%style == [character(6) :: "points", "both", "mark"])
+   end function has_dots
 
    !> Pixel below the last row of a legend.
    pure real(dp) function legend_bottom(series, top)
@@ -187,28 +179,71 @@ contains
       end do
    end function legend_cells
 
-   !> Whether a point of a series lies in a box to the right of a pixel, above and below it.
-   pure logical function any_within(series, x, y, at, extent)
-      type(series_type), intent(in) :: series(:)
-      type(axis_type), intent(in) :: x, y
-      real(dp), intent(in) :: at(2), extent(2)
-      real(dp) :: across, down
-      integer :: i, k
+   !> A line through pixels, broken where they are outside.
+   subroutine put_path(writer, class, x, y)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: class
+      real(dp), intent(in) :: x(:), y(:)
+      character(1) :: step
+      integer :: i
 
-      any_within = .false.
-      do i = 1, size(series)
-         associate (s => series(i))
-            if (.not. allocated(s%x)) cycle
-            do k = 1, size(s%x)
-               if (.not. is_inside(x, s%x(k))) cycle
-               if (.not. is_inside(y, s%y(k))) cycle
-               across = position(x, s%x(k)) - at(1)
-               down = abs(position(y, s%y(k)) - at(2))
-               if (across < -6.0_dp .or. across > extent(1) .or. down > extent(2)) cycle
-               any_within = .true.
-            end do
-         end associate
+      call put(writer, "<path")
+      if (class /= "") call put(writer, " class="""//class//"""")
+      call put(writer, " d=""")
+      step = "M"
+      do i = 1, size(x)
+         if (x(i) > outside) call put_pixels(writer, step, [x(i), y(i)], "")
+         step = merge("L", "M", x(i) > outside)
       end do
-   end function any_within
+      call put_line(writer, """/>")
+   end subroutine put_path
+
+   !> A text at a pixel of its base line.
+   subroutine put_text(writer, class, x, y, text)
+      type(writer_type), intent(inout) :: writer
+      !> Its anchor: start, middle or end; or title
+      character(*), intent(in) :: class
+      real(dp), intent(in) :: x, y
+      !> Any; nothing is written for ""
+      character(*), intent(in) :: text
+
+      if (text == "") return
+      call put_pixels(writer, "<text class="""//class//""" x=""", [x], """")
+      call put_pixels(writer, " y=""", [y], """>")
+      call put_escaped(writer, text)
+      call put_line(writer, "</text>")
+   end subroutine put_text
+
+   !> A circle.
+   subroutine put_circle(writer, class, at, radius, number)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: class
+      real(dp), intent(in) :: at(2), radius
+      !> Of the point in its series
+      integer, intent(in) :: number
+
+      call put_pixels(writer, "<path class="""//class//""" data-i=""", [real(number, dp)], "")
+      call put_pixels(writer, """ d=""M", [at(1) - radius, at(2)], "")
+      call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, 2*radius, 0.0_dp], "")
+      call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, -2*radius, 0.0_dp], &
+                      "z""/>")
+      call put_line(writer, "")
+   end subroutine put_circle
+
+   !> Numbers to a tenth of a pixel or finer, separated by blanks, between two texts.
+   subroutine put_pixels(writer, before, value, behind)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: before
+      real(dp), intent(in) :: value(:)
+      character(*), intent(in) :: behind
+      integer :: i
+
+      call put(writer, before)
+      do i = 1, size(value)
+         if (i > 1) call put(writer, " ")
+         call put_real(writer, value(i), 4)
+      end do
+      call put(writer, behind)
+   end subroutine put_pixels
 
 end module gyroakf_report_svg_series
