@@ -1,19 +1,19 @@
 ! SPDX-License-Identifier: MIT
-!> One recording on a page: warnings, what was read, and of each channel what to make of it, its figures, its tables.
+!> One recording on a page: warnings, what was read, and of each channel its figures and its
+!> tables.
 module gyroakf_report_html_recording
    use gyroakf_kinds, only : int64
-   use gyroakf_record, only : record_type, text_type, view_channel
+   use gyroakf_record, only : record_type, view_channel
    use gyroakf_io_writer, only : writer_type, put, put_line
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
-   use gyroakf_report_advice, only : put_advice
-   use gyroakf_report_document, only : gather_warnings
    use gyroakf_report_figure_allan, only : minimum_note
    use gyroakf_report_figures, only : named_figure_type
    use gyroakf_report_html_markup, only : close_list, put_attribute, put_element, put_escaped
-   use gyroakf_report_input, only : put_input, unit_name, time_unit
+   use gyroakf_report_input, only : put_input
+   use gyroakf_report_remarks, only : put_remarks
    use gyroakf_report_svg, only : write_svg
    use gyroakf_report_text_answer, only : put_answer
-   use gyroakf_report_text_layout, only : count_text, put_paragraph, put_point
+   use gyroakf_report_text_layout, only : count_text, put_paragraph
    use gyroakf_report_text_noise, only : put_curves_of
    use gyroakf_report_text_report, only : put_sections
    implicit none (type, external)
@@ -41,16 +41,17 @@ contains
       call put_line(writer, ">")
       call put_element(writer, "h2", "Results")
       writer%markup%level = 3
-      call put_all_warnings(writer, record, result)
+      call put_remarks(writer, command, record, result)
       if (command == "run" .or. command == "allan") then
          call put_answer(writer, record, result)
          if (any(result%channel%allan(stage%input)%fitted)) then
-            call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "//minimum_note(), 2)
+            call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "// &
+                               minimum_note(), 2)
          end if
       end if
       call close_list(writer)
       do c = 1, size(result%channel)
-         call put_figures(writer, "overlay", c, record, figures)
+         call put_figures(writer, "overlay", c, figures)
       end do
       if (size(result%channel) > 1) call put_channel_list(writer, result)
       call put_input(writer, record)
@@ -71,25 +72,6 @@ contains
       if (allocated(record%path)) path = record%path
       if (path == "-") path = "standard input"
    end function record_name
-
-   !> All warnings, above everything else.
-   subroutine put_all_warnings(writer, record, result)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      type(text_type), allocatable :: warnings(:)
-      integer :: i
-
-      call gather_warnings(record, warnings, result)
-      if (size(warnings) == 0) return
-      call put_line(writer, "<div class=""warnings"">")
-      call put_element(writer, "h3", "Warnings")
-      do i = 1, size(warnings)
-         call put_point(writer, warnings(i)%text)
-      end do
-      call close_list(writer)
-      call put_line(writer, "</div>")
-   end subroutine put_all_warnings
 
    !> Ways to the channels.
    subroutine put_channel_list(writer, result)
@@ -124,21 +106,20 @@ contains
       call put_element(writer, "h3", "Channel "//result%channel(c)%name)
       writer%markup%level = 3
       associate (channel => result%channel(c))
-         call put_figures(writer, "allan", c, record, figures)
-         call put_figures(writer, "series", c, record, figures)
+         call put_figures(writer, "allan", c, figures)
+         call put_figures(writer, "series", c, figures)
          folded = command == "run" .or. command == "allan"
-         if (command == "run") call put_advice(writer, view, channel)
          call close_list(writer)
          if (folded) then
             call put(writer, "<details><summary>")
             call put_escaped(writer, "Details of "//channel%name)
             call put_line(writer, "</summary>")
          end if
-         call put_figures(writer, "filters", c, record, figures)
+         call put_figures(writer, "filters", c, figures)
          call put_sections(writer, command, view, channel)
          if (command == "run" .and. channel%allan(stage%input)%available) then
-            call put_curves_of(writer, view, channel%allan(stage%input), "Raw", "input")
-            call put_curves_of(writer, view, channel%allan(stage%cleaned), "Cleaned", "cleaned")
+            call put_curves_of(writer, view, channel%allan(stage%input), "Raw")
+            call put_curves_of(writer, view, channel%allan(stage%cleaned), "Cleaned")
          end if
       end associate
       call close_list(writer)
@@ -147,32 +128,26 @@ contains
    end subroutine put_channel
 
    !> The figures of a kind and a channel.
-   subroutine put_figures(writer, kind, c, record, figures)
+   subroutine put_figures(writer, kind, c, figures)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: kind
       integer, intent(in) :: c
-      type(record_type), intent(in) :: record
       type(named_figure_type), intent(in) :: figures(:)
       integer :: i
 
       do i = 1, size(figures)
-         if (figures(i)%kind == kind .and. figures(i)%channel == c) call put_figure(writer, figures(i), record)
+         if (figures(i)%kind == kind .and. figures(i)%channel == c) &
+            call put_figure(writer, figures(i))
       end do
    end subroutine put_figures
 
    !> A figure with its caption.
-   subroutine put_figure(writer, named, record)
+   subroutine put_figure(writer, named)
       type(writer_type), intent(inout) :: writer
       type(named_figure_type), intent(in) :: named
-      type(record_type), intent(in) :: record
-      type(record_type) :: view
-      character(:), allocatable :: attributes
 
-      call view_channel(record, named%channel, view)
-      attributes = ""
-      if (named%kind == "allan") call curve_attributes(view, attributes)
       call close_list(writer)
-      call put(writer, "<figure"//attributes//"><div class=""plot"" tabindex=""0"" role=""group""")
+      call put(writer, "<figure><div class=""plot"" tabindex=""0"" role=""group""")
       call put_attribute(writer, "aria-label", named%figure%title)
       call put_line(writer, ">")
       call write_svg(writer, named%figure, .false.)
@@ -180,18 +155,5 @@ contains
       call put_element(writer, "figcaption", named%figure%caption)
       call put_line(writer, "</figure>")
    end subroutine put_figure
-
-   !> What the script needs to read a curve aloud.
-   pure subroutine curve_attributes(record, attributes)
-      type(record_type), intent(in) :: record
-      character(:), allocatable, intent(out) :: attributes
-      character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/^()* "
-      character(:), allocatable :: unit
-
-      unit = unit_name(record)
-      if (verify(unit, plain) > 0) unit = ""
-      attributes = " data-curve=""input"" data-unit="""//unit//""" data-time="""// &
-                   time_unit(record)//""""
-   end subroutine curve_attributes
 
 end module gyroakf_report_html_recording
