@@ -22,7 +22,7 @@ is "nothing from outside" "$(grep -cE 'https?://|@import' page.d/report.html)" 0
 is "every name once" "$(grep -oE ' id="[^"]*"' page.d/report.html | sort | uniq -d | wc -l)" 0
 
 good "one channel" page.txt --out page_one.d --quiet
-for k in $(sed -n '/"allan": {/,/"cleaned"/s/.*"tau_s": \[\(.*\)\].*/\1/p' page_one.d/results.json | tr -d ',' | head -n 1); do
+for k in $(sed -n '/"allan": {/,/"cleaned"/s/.*"tau_s": \[\(.*\)\].*/\1/p' page_one.d/results.json | head -n 1 | tr -d ',' | xargs printf '%.6g '); do
    holds "the curve has tau = $k" ">$k</th>" page_one.d/report.html
 done
 variance=$(sed -n '/"kf": {/,/}/s/.*"variance": \(.*\),/\1/p' page_one.d/results.json | head -n 1)
