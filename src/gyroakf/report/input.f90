@@ -42,14 +42,17 @@ contains
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
+      character(:), allocatable :: form
 
       call put_heading(writer, "Input", "-")
-      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("// &
-                    format_text(record)//")", verbatim=.true.)
+      form = text_or(record%format, "no format")
+      if (form == "npy") form = form//", "//text_or(record%stored_type, "")
+      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//form//")", &
+                    verbatim=.true.)
       call put_item(writer, "Samples", count_text(sample_count(record))//" in "// &
                     plural(size(record%value, 2, kind=int64), "channel")//": "// &
                     channel_names(record), verbatim=.true.)
-      call put_rate(writer, record)
+      call put_item(writer, "Rate", rate_text(record))
       call put_units(writer, record)
       call put_item(writer, "Missing", plural(record%audit%missing, "value")// &
                     missing_share(record, " of "//count_text(values_of(record)))//", "// &
@@ -74,7 +77,7 @@ contains
                                   missing_share(record, "")//" missing", "none missing")
       if (record%audit%gaps > 0) text = text//" in "//plural(record%audit%gaps, "gap")
       call put_item(writer, "Record", text, verbatim=.true.)
-      if (.not. record%rate_known) call put_rate(writer, record)
+      if (.not. record%rate_known) call put_item(writer, "Rate", rate_text(record))
       if (allocated(record%channel_unit) .or. .not. has_unit(record)) then
          call put_units(writer, record)
       else
@@ -110,17 +113,19 @@ contains
       names = ""
       if (.not. allocated(record%channel)) return
       do i = 1, size(record%channel)
-         if (i > 1) names = names//", "
-         names = names//record%channel(i)%text
+         names = names//if_known(i > 1, ", ")//record%channel(i)%text
       end do
    end function channel_names
 
-   !> "5 Hz (as the file says); 2400 s (40 min)".
+   !> "5 Hz (as the file says); 2400 s (40 min)", or what would give the rate.
    pure function rate_text(record) result(text)
       type(record_type), intent(in) :: record
       character(:), allocatable :: text
       real(dp) :: seconds
 
+      text = "not known: times are in samples, and results per sample; --rate HZ (or --dt S) "// &
+         "gives seconds and the usual units"
+      if (.not. record%rate_known) return
       seconds = real(sample_count(record), dp)*record%sample_interval
       text = number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
              number(seconds, 7)//" s"
@@ -130,19 +135,6 @@ contains
          text = text//" ("//number(seconds/60.0_dp, 4)//" min)"
       end if
    end function rate_text
-
-   !> The rate, or what would give it.
-   subroutine put_rate(writer, record)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-
-      if (record%rate_known) then
-         call put_item(writer, "Rate", rate_text(record))
-      else
-         call put_item(writer, "Rate", "not known: times are in samples, and results per "// &
-                       "sample; --rate HZ (or --dt S) gives seconds and the usual units")
-      end if
-   end subroutine put_rate
 
    !> The units, or what would give them.
    subroutine put_units(writer, record)
@@ -160,16 +152,6 @@ contains
       end if
    end subroutine put_units
 
-   !> "text", or "npy, float32".
-   pure function format_text(record) result(text)
-      type(record_type), intent(in) :: record
-      character(:), allocatable :: text
-
-      text = text_or(record%format, "no format")
-      if (.not. allocated(record%stored_type)) return
-      if (text == "npy") text = text//", "//record%stored_type
-   end function format_text
-
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
    pure function channel_units_text(record) result(text)
       type(record_type), intent(in) :: record
@@ -180,12 +162,12 @@ contains
       before = ""
       do i = 1, size(record%channel_unit)
          unit = text_or(record%channel_unit(i)%name, "not known")
-         if (i > 1 .and. unit == before) then
-            text = text//", "//record%channel(i)%text
+         if (unit == before) then
+            text = text//", "
          else
-            if (i > 1) text = text//"; "
-            text = text//unit//" for "//record%channel(i)%text
+            text = text//if_known(i > 1, "; ")//unit//" for "
          end if
+         text = text//record%channel(i)%text
          before = unit
       end do
    end function channel_units_text
@@ -319,12 +301,10 @@ contains
 
    !> Who said so.
    pure function source(name) result(text)
-      character(:), allocatable, intent(in) :: name
+      character(*), intent(in), optional :: name
       character(:), allocatable :: text
 
-      text = ""
-      if (.not. allocated(name)) return
-      select case (name)
+      select case (text_or(name, ""))
       case ("option"); text = " (as the option says)"
       case ("header"); text = " (as the file says)"
       case ("timestamps"); text = " (from the time stamps)"
@@ -334,14 +314,13 @@ contains
 
    !> The text, or another one where it is unallocated or empty.
    pure function text_or(text, other) result(chosen)
-      character(:), allocatable, intent(in) :: text
+      character(*), intent(in), optional :: text
       character(*), intent(in) :: other
       character(:), allocatable :: chosen
 
       chosen = other
-      if (allocated(text)) then
-         if (len(text) > 0) chosen = text
-      end if
+      if (.not. present(text)) return
+      if (len(text) > 0) chosen = text
    end function text_or
 
 end module gyroakf_report_input

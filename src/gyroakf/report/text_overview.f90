@@ -120,7 +120,7 @@ contains
                rounded(ar%coefficient(i), ar%std_error(i))
          end do
          text = text//if_known(ar%order > 0, " ")//"by "//full_name(ar%criterion)// &
-            " up to order "//count_text(int(ar%table(size(ar%table))%order, int64))// &
+            " up to order "//count_text(int(ar%table(ubound(ar%table, 1))%order, int64))// &
             if_known(test%lags > 0, "; residuals "//trim(whiteness_word(test)))
       end associate
    end function model_text

@@ -152,10 +152,16 @@ contains
       logical, intent(in), optional :: verbatim
       type(table_type) :: shown
       integer, allocatable :: width(:)
-      integer :: gap, first, last
+      integer :: gap, first, last, i, j
 
       shown = table
-      if (writer%unicode .and. .not. present(verbatim)) call use_signs(shown)
+      if (writer%unicode .and. .not. present(verbatim)) then
+         do j = 1, size(shown%cell, 2)
+            do i = 1, size(shown%cell, 1)
+               shown%cell(i, j)%text = to_unicode(table%cell(i, j)%text)
+            end do
+         end do
+      end if
       if (writer%markup%on) then
          call html_table(writer, shown%cell, shown%head, shown%left)
          return
@@ -207,18 +213,6 @@ contains
       call put_table(writer, table)
       if (len(table%note) > 0) call put_paragraph(writer, table%note, 2)
    end subroutine put_numbered
-
-   !> The cells with the signs of UTF-8.
-   pure subroutine use_signs(table)
-      type(table_type), intent(inout) :: table
-      integer :: i, j
-
-      do j = 1, size(table%cell, 2)
-         do i = 1, size(table%cell, 1)
-            table%cell(i, j)%text = to_unicode(table%cell(i, j)%text)
-         end do
-      end do
-   end subroutine use_signs
 
    !> Characters of every column.
    pure subroutine column_widths(table, width)
