@@ -44,7 +44,7 @@ contains
       call json%open_list("list")
       call json%open("")
       call json%put("yes", .true.)
-      call json%absent("nothing")
+      call json%put("nothing")
       call json%close()
       call json%put("", 12000_int64)
       call json%close()

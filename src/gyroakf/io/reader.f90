@@ -73,7 +73,7 @@ contains
       associate (options => recording%options, table => recording%table)
          record%path = recording%path
          record%format = recording%format
-         record%stored_type = recording%stored_type
+         if (recording%stored_type /= "") record%stored_type = recording%stored_type
          call move_alloc(table%warnings, record%warnings)
          if (options%unit == "" .and. allocated(table%header%unit_warnings)) then
             do i = 1, size(table%header%unit_warnings)

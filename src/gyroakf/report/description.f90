@@ -5,6 +5,7 @@
 !>     call out%open("adf", "Dickey-Fuller")                         ! "adf": {
 !>     call out%put("p_value", 0.03_dp)                              ! "p_value": 0.03
 !>     call out%put("rmse", rmse, known=samples > 0, unit="deg/s")   ! null where it is not known
+!>     call out%put("path", record%path)                             ! null where it is unallocated
 !>     call out%close()                                              ! }
 !>
 !> A text shows the title; where none is given, the key in words. What is not `shown` stands in JSON
@@ -51,15 +52,12 @@ module gyroakf_report_description
       !> Begins a group that may be missing, `opens(key, known, title, shown)`: a member without a
       !> value where it is not known
       procedure, non_overridable :: opens
-      !> A member without a value, `absent(key)`
-      procedure, non_overridable :: absent
       !> A sentence for people, `remark(text)`: a verdict on the values that follow, or what to mind
       !> about those before
       procedure, non_overridable :: remark
-      !> One member, `put(key, value, known, ...)`; no value where it is not known (default: it is)
+      !> One member, `put(key, value, known, ...)`: what is not known, or a single value that is
+      !> absent or unallocated, is null in JSON and nothing in a text
       generic :: put => put_value, put_values
-      !> A text, or no value where it is unallocated or empty, `put_known_text(key, text, title)`
-      procedure, non_overridable :: put_known_text
       !> A list of texts, empty where it is unallocated, `put_texts(key, texts, title)`
       procedure, non_overridable :: put_texts
       procedure, private, non_overridable :: put_value, put_values
@@ -119,14 +117,6 @@ contains
       if (present(shown)) member%shown = shown
    end subroutine set_member
 
-   !> The default is true.
-   pure logical function is_known(known)
-      logical, intent(in), optional :: known
-
-      is_known = .true.
-      if (present(known)) is_known = known
-   end function is_known
-
    subroutine open_group(self, key, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
@@ -147,7 +137,7 @@ contains
 
       opens = known .or. self%complete
       if (opens) call self%open(key, title, shown)
-      if (.not. opens) call self%absent(key)
+      if (.not. opens) call self%put(key)
    end function opens
 
    subroutine open_list(self, key, title, shown)
@@ -160,13 +150,6 @@ contains
       call self%begin(key, .true.)
    end subroutine open_list
 
-   subroutine absent(self, key)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-
-      if (.not. self%for_people) call self%value(key, unknown_type())
-   end subroutine absent
-
    subroutine remark(self, text)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: text
@@ -178,30 +161,31 @@ contains
    subroutine put_value(self, key, value, known, unit, std_error, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
-      class(*), intent(in) :: value
+      class(*), intent(in), optional :: value
       logical, intent(in), optional :: known
       character(*), intent(in), optional :: unit
       real(dp), intent(in), optional :: std_error
       character(*), intent(in), optional :: title
       logical, intent(in), optional :: shown
+      type(unknown_type) :: nothing
+      logical :: given
 
       call set_member(self%member, title, unit, std_error, shown=shown)
-      if (is_known(known)) then
+      given = present(value)
+      if (present(known)) given = given .and. known
+      if (given) then
          call self%value(key, value)
       else if (.not. self%for_people) then
-         call self%value(key, unknown_type(is_number(value)))
+         if (present(value)) then
+            select type (value)
+            type is (character(*))
+            type is (logical)
+            class default; nothing%number = .true.
+            end select
+         end if
+         call self%value(key, nothing)
       end if
    end subroutine put_value
-
-   pure logical function is_number(value)
-      class(*), intent(in) :: value
-
-      select type (value)
-      type is (character(*)); is_number = .false.
-      type is (logical); is_number = .false.
-      class default; is_number = .true.
-      end select
-   end function is_number
 
    subroutine put_values(self, key, value, known, std_errors, title, shown)
       class(description_type), intent(inout) :: self
@@ -212,35 +196,24 @@ contains
       character(*), intent(in), optional :: title
       logical, intent(in), optional :: shown
 
+      if (present(known)) then
+         if (.not. known) then
+            call self%put(key)
+            return
+         end if
+      end if
       call set_member(self%member, title, std_errors=std_errors, shown=shown)
-      if (is_known(known)) then
-         call self%values(key, value)
-      else
-         call self%absent(key)
-      end if
+      call self%values(key, value)
    end subroutine put_values
-
-   subroutine put_known_text(self, key, value, title)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      character(:), allocatable, intent(in) :: value
-      character(*), intent(in), optional :: title
-
-      if (allocated(value)) then
-         call self%put(key, value, value /= "", title=title)
-      else
-         call self%put(key, "", .false., title=title)
-      end if
-   end subroutine put_known_text
 
    subroutine put_texts(self, key, texts, title)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
-      type(text_type), allocatable, intent(in) :: texts(:)
+      type(text_type), intent(in), optional :: texts(:)
       character(*), intent(in), optional :: title
       type(text_type) :: nothing(0)
 
-      if (allocated(texts)) then
+      if (present(texts)) then
          call self%put(key, texts, title=title)
       else
          call self%put(key, nothing)

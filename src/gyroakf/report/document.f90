@@ -10,6 +10,7 @@ module gyroakf_report_document
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_description, only : description_type
+   use gyroakf_report_input, only : has_unit
    use gyroakf_report_json, only : json_type
    use gyroakf_report_document_distribution, only : put_preprocess
    use gyroakf_report_document_allan, only : put_allan, put_coefficients
@@ -55,11 +56,7 @@ contains
       call out%put("schema", schema_number)
       call out%put("program", "gyroakf")
       call out%put("version", release_string)
-      if (present(command_line)) then
-         call out%put("command_line", command_line)
-      else
-         call out%absent("command_line")
-      end if
+      call out%put("command_line", command_line)
       call put_input(out, record, result)
       call out%open_list("channels")
       if (present(result)) then
@@ -83,13 +80,13 @@ contains
 
       call gather_warnings(record, warnings, result)
       call out%open("input")
-      call out%put_known_text("path", record%path)
-      call out%put_known_text("format", record%format)
+      call out%put("path", record%path)
+      call out%put("format", record%format)
       call out%put("samples", sample_count(record))
       call out%put("rate_hz", 1.0_dp/record%sample_interval, record%rate_known)
-      call out%put_known_text("rate_source", record%rate_source)
-      call out%put_known_text("unit", record%unit%name)
-      call out%put_known_text("unit_source", record%unit_source)
+      call out%put("rate_source", record%rate_source)
+      call out%put("unit", record%unit%name, has_unit(record))
+      call out%put("unit_source", record%unit_source)
       call out%put("channels", record%channel)
       call out%put("missing", record%audit%missing)
       call out%put("gaps", record%audit%gaps)
@@ -99,7 +96,7 @@ contains
       call out%put("warnings", warnings)
       call gather_warnings(record, warnings, result, notes=.true.)
       call out%put("notes", warnings)
-      call out%put_known_text("stored_type", record%stored_type)
+      call out%put("stored_type", record%stored_type)
       call put_stamps(out, record)
       call out%close()
    end subroutine put_input
@@ -144,7 +141,7 @@ contains
 
       call out%open("")
       call out%put("name", channel%name)
-      call out%put_known_text("unit", record%unit%name)
+      call out%put("unit", record%unit%name, has_unit(record))
       call out%open("raw")
       call out%put("mean", channel%raw%mean)
       call out%put("variance", channel%raw%variance)
@@ -163,44 +160,42 @@ contains
       call out%close()
    end subroutine put_channel
 
-   !> Warnings of the record, then of the channels, with the channel's name where there are several.
-   pure subroutine gather_warnings(record, warnings, result, notes)
+   !> Warnings of the record, then of the channels, with the name of the channel.
+   subroutine gather_warnings(record, warnings, result, notes)
       !> What was read
       type(record_type), intent(in) :: record
       !> One sentence each
       type(text_type), allocatable, intent(out) :: warnings(:)
       !> What came out
       type(pipeline_result_type), intent(in), optional :: result
-      !> They are the notes instead (default: warnings)
+      !> Present: they are the notes instead
       logical, intent(in), optional :: notes
-      logical :: note
       integer :: c
 
-      note = .false.
-      if (present(notes)) note = notes
       allocate (warnings(0))
-      call add_list(warnings, record%warnings, "", note)
+      call add_list(record%warnings, "")
       if (.not. present(result)) return
       if (.not. allocated(result%channel)) return
       do c = 1, size(result%channel)
-         call add_list(warnings, result%channel(c)%warnings, result%channel(c)%name//": ", note)
-         call add_list(warnings, result%channel(c)%unavailable, result%channel(c)%name// &
-                       ": not available: ", note)
+         associate (channel => result%channel(c))
+            call add_list(channel%warnings, channel%name//": ")
+            call add_list(channel%unavailable, channel%name//": not available: ")
+         end associate
       end do
+
+   contains
+
+      subroutine add_list(list, prefix)
+         type(text_type), intent(in), optional :: list(:)
+         character(*), intent(in) :: prefix
+         integer :: i
+
+         if (.not. present(list)) return
+         do i = 1, size(list)
+            if (list(i)%note .eqv. present(notes)) call add_text(warnings, prefix//list(i)%text)
+         end do
+      end subroutine add_list
+
    end subroutine gather_warnings
-
-   !> Appends the warnings of a list, or its notes, to a list.
-   pure subroutine add_list(warnings, list, prefix, note)
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(text_type), allocatable, intent(in) :: list(:)
-      character(*), intent(in) :: prefix
-      logical, intent(in) :: note
-      integer :: i
-
-      if (.not. allocated(list)) return
-      do i = 1, size(list)
-         if (list(i)%note .eqv. note) call add_text(warnings, prefix//list(i)%text)
-      end do
-   end subroutine add_list
 
 end module gyroakf_report_document

@@ -34,7 +34,7 @@ contains
                   if (.not. allocated(allan%other(i)%tau)) cycle     ! it could not be computed
                   call out%open(trim(allan%other(i)%kind))
                   call put_curve(out, allan%other(i))
-                  call out%absent("other_kinds")
+                  call out%put("other_kinds")
                   call out%close()
                end do
                call out%close()
@@ -211,8 +211,8 @@ contains
          call out%put("tau_s", noise%tau, shown=.false.)
          call out%put("residual", noise%residual, shown=.false.)
       else
-         call out%absent("tau_s")
-         call out%absent("residual")
+         call out%put("tau_s")
+         call out%put("residual")
       end if
       call out%close()
    end subroutine put_description

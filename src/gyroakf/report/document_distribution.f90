@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What was removed from a channel, and the members of "tests" that tell the distribution of its samples and what is
-!> periodic, described.
+!> What was removed from a channel, and the members of "tests" that tell the distribution of its
+!> samples and what is periodic, described.
 module gyroakf_report_document_distribution
    use gyroakf_kinds, only : dp, int64
    use gyroakf_pipeline_result, only : channel_result_type
@@ -48,7 +48,7 @@ contains
          call out%put("coefficients", channel%clean%trend%power, &
                       title="coefficients of i^0, i^1, ...")
       else
-         call out%absent("coefficients")
+         call out%put("coefficients")
       end if
       call out%close()
       call out%put("mean", channel%clean%mean, shown=.false.)
@@ -79,8 +79,8 @@ contains
             call out%put("stride", channel%anderson_darling%stride)
             call out%close()
          end if
-         if (out%opens("histogram", is%histogram, shown=.false.)) call put_histogram(out, &
-            channel%histogram)
+         if (out%opens("histogram", is%histogram, shown=.false.)) &
+            call put_histogram(out, channel%histogram)
          if (out%opens("quantisation", is%quantisation, "Quantization", &
                        channel%quantisation%quantised)) then
             call out%put("quantised", channel%quantisation%quantised, title="quantized")

@@ -29,11 +29,9 @@ contains
          call put_filter(out, "drift_kf", "Drift KF", channel%drift_kf, channel%drift_kf_figures, &
                          is%drift_kf)
          call put_filter(out, "drift_akf", "Drift AKF", channel%drift_akf, &
-                         channel%drift_akf_figures, &
-                         is%drift_akf)
+                         channel%drift_akf_figures, is%drift_akf)
          call put_filter(out, "drift_smoother", "Smoother", channel%drift_smoother, &
-                         channel%drift_smoother_figures, &
-                         is%drift_smoother)
+                         channel%drift_smoother_figures, is%drift_smoother)
       end associate
       call out%close()
    end subroutine put_filters
@@ -67,8 +65,7 @@ contains
       call out%put("clamped", filter%clamped, title="steps at a bound")
       call out%put("gated", filter%gated, title="gated steps")
       write (rmse_title, "(a, i0, a)") "RMSE over ", figures%rmse_samples, " samples"
-      call out%put("rmse", figures%rmse, figures%rmse_samples > 0, &
-                   title=trim(rmse_title))
+      call out%put("rmse", figures%rmse, figures%rmse_samples > 0, title=trim(rmse_title))
       call out%put_texts("warnings", filter%warnings, title="notes:")
       call out%put("nis_low", filter%nis_low, measured, shown=.false.)
       call out%put("nis_high", filter%nis_high, measured, shown=.false.)
@@ -86,12 +83,14 @@ contains
       if (.not. out%opens("drift", channel%available%drift, "Drift model")) return
       associate (drift => channel%drift)
          call out%put("found", drift%found)
-         call out%put_known_text("doubt", channel%drift_doubt, &
-                                 title="no model describes the record:")
+         call out%put("doubt", channel%drift_doubt, title="no model describes the record:")
          call out%put("tau_s", channel%drift_tau, title="of processes slower than")
+         if (.not. drift%found) call out%remark("nothing slower was found under the noise: "// &
+                                                "there is nothing that a filter could follow "// &
+                                                "and subtract")
          call out%put("name", trim(drift%name), title="model")
-         if (channel%verdict%stationary .and. &
-             drift%found) call out%remark("an approximation of the slow part of stationary noise")
+         if (channel%verdict%stationary .and. drift%found) &
+            call out%remark("an approximation of the slow part of stationary noise")
          call out%remark(drift_source_text(channel))
          call put_model(out, drift%model)
          call out%open_list("slow", shown=.false.)
@@ -171,11 +170,7 @@ contains
                          process%k%std_error, "K")
             call out%put("k_std_error", process%k%std_error, known .and. process%k%detected, &
                          shown=.false.)
-            if (process%walk) then
-               call out%put("k_unit", process%k%unit, shown=.false.)
-            else
-               call out%absent("k_unit")
-            end if
+            call out%put("k_unit", process%k%unit, process%walk, shown=.false.)
             call out%close()
          end associate
       end do

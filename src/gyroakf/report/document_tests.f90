@@ -7,8 +7,7 @@ module gyroakf_report_document_tests
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document_distribution, only : put_distribution, put_fisher, put_welch
    use gyroakf_report_verdicts, only : correlation_caution, normality_text, rejection_text, &
-      verdict_text, &
-      whiteness_text
+      verdict_text, whiteness_text
    use gyroakf_series_adf, only : adf_type
    use gyroakf_stats_whiteness, only : ljung_box_type
    implicit none (type, external)
@@ -114,7 +113,7 @@ contains
          end do
          call out%close()
       else
-         call out%absent("table")
+         call out%put("table")
       end if
       call out%close()
    end subroutine put_adf

@@ -1,16 +1,18 @@
 ! SPDX-License-Identifier: MIT
-!> The parts of a report as elements of a page: headings, items, sentences, and every text escaped.
+!> The parts of a report as elements of a page: headings, items, sentences, tables, and every text
+!> escaped.
 !>
-!> [[gyroakf_report_text_layout]] and [[gyroakf_report_text_table]] call these where the writer's `markup` is on,
-!> so that a page says what the terminal says, from the same lines of code.
+!> [[gyroakf_report_text_layout]] and [[gyroakf_report_text_table]] call these where the writer's
+!> `markup` is on, so that a page says what the terminal says, from the same lines of code.
 module gyroakf_report_html_markup
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put, put_line, put_real
+   use gyroakf_record, only : text_type
    use gyroakf_utf8, only : sequence_length
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: html_heading, html_item, html_block, close_list
+   public :: html_heading, html_item, html_paragraph, html_table, close_list
    public :: put_escaped, put_attribute, put_number_attribute, put_element
 
 contains
@@ -38,11 +40,12 @@ contains
       !> "" for none; "Warning" is shown as one
       character(*), intent(in) :: label, text
 
-      if (label == "" .and. writer%markup%list /= "dl") then
-         call html_block(writer, "", "p", text)
+      if (label == "" .and. writer%markup%list == "") then
+         call put_element(writer, "p", text)
          return
       end if
-      call open_list(writer, "dl")
+      if (writer%markup%list == "") call put_line(writer, "<dl>")
+      writer%markup%list = "dl"
       if (label == "Warning") then
          call put_line(writer, "<dt class=""warning"">Warning</dt>")
       else if (label /= "") then
@@ -52,27 +55,73 @@ contains
    end subroutine html_item
 
    !> Text in an element of its own.
-   subroutine html_block(writer, list, tag, text)
+   subroutine html_paragraph(writer, text)
       !> The page
       type(writer_type), intent(inout) :: writer
-      !> The list that it belongs to, "" for none; its element; any text
-      character(*), intent(in) :: list, tag, text
+      !> Any text
+      character(*), intent(in) :: text
 
-      if (list == "") call close_list(writer)
-      if (list /= "") call open_list(writer, list)
-      call put_element(writer, tag, text)
-   end subroutine html_block
-
-   !> Begins a list, where it is not the one that is open.
-   subroutine open_list(writer, tag)
-      type(writer_type), intent(inout) :: writer
-      character(2), intent(in) :: tag
-
-      if (writer%markup%list == tag) return
       call close_list(writer)
-      call put_line(writer, "<"//tag//">")
-      writer%markup%list = tag
-   end subroutine open_list
+      call put_element(writer, "p", text)
+   end subroutine html_paragraph
+
+   !> A table in a box that scrolls where it is wider than the window; the first cell of a row names
+   !> it.
+   subroutine html_table(writer, cell, head, left)
+      !> The page; its last heading is the caption
+      type(writer_type), intent(inout) :: writer
+      !> Texts, a line feed parts lines: [rows, columns]
+      type(text_type), intent(in) :: cell(:, :)
+      !> Rows of the head; columns that are text, from the left
+      integer, intent(in) :: head, left
+      character(:), allocatable :: caption
+      integer :: i, j
+
+      call close_list(writer)
+      caption = "Table"
+      if (allocated(writer%markup%heading)) caption = writer%markup%heading
+      call put(writer, "<div class=""scroll"" role=""region"" tabindex=""0""")
+      call put_attribute(writer, "aria-label", caption)
+      call put(writer, "><table><caption>")
+      call put_escaped(writer, caption)
+      call put_line(writer, "</caption>")
+      do i = 1, size(cell, 1)
+         if (i == 1) call put(writer, "<thead>")
+         if (i == head + 1) call put(writer, "</thead><tbody>")
+         call put(writer, "<tr>")
+         do j = 1, size(cell, 2)
+            call put_cell(writer, cell(i, j)%text, i <= head, j, left)
+         end do
+         call put_line(writer, "</tr>")
+      end do
+      call put_line(writer, merge("</thead>", "</tbody>", size(cell, 1) <= head)// &
+                    "</table></div>")
+   end subroutine html_table
+
+   !> One cell, of one line or two; an empty one names nothing.
+   subroutine put_cell(writer, text, head, column, left)
+      type(writer_type), intent(inout) :: writer
+      character(*), intent(in) :: text
+      !> In the head
+      logical, intent(in) :: head
+      integer, intent(in) :: column, left
+      character(2) :: tag
+      integer :: feed
+
+      tag = "td"
+      if ((head .or. column == 1) .and. text /= "") tag = "th"
+      call put(writer, "<"//tag)
+      if (tag == "th") call put(writer, " scope="""//trim(merge("col", "row", head))//"""")
+      if (column <= left) call put(writer, " class=""text""")
+      call put(writer, ">")
+      feed = index(text, new_line("a"))
+      if (feed > 0) then
+         call put_escaped(writer, text(:feed - 1))
+         call put(writer, "<br>")
+      end if
+      call put_escaped(writer, text(feed + 1:))
+      call put(writer, "</"//tag//">")
+   end subroutine put_cell
 
    !> Ends the list that is open, if one is.
    subroutine close_list(writer)
@@ -126,7 +175,8 @@ contains
       call put(writer, """")
    end subroutine put_number_attribute
 
-   !> A text as HTML: what would be markup becomes references, what is no UTF-8 or a control character U+FFFD.
+   !> A text as HTML: what would be markup becomes references, what is no UTF-8 or a control
+   !> character U+FFFD.
    subroutine put_escaped(writer, text)
       !> The page
       type(writer_type), intent(inout) :: writer
@@ -162,7 +212,8 @@ contains
       character(*), intent(in) :: character
 
       is_control = iachar(character(1:1)) < 32 .or. iachar(character(1:1)) == 127
-      if (len(character) == 2) is_control = ichar(character(1:1)) == 194 .and. ichar(character(2:2)) < 160
+      if (len(character) == 2) is_control = ichar(character(1:1)) == 194 .and. &
+         ichar(character(2:2)) < 160
    end function is_control
 
 end module gyroakf_report_html_markup

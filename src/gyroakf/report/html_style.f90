@@ -29,8 +29,8 @@ module gyroakf_report_html_style
       "dl { display: grid; grid-template-columns: minmax(7rem, max-content) 1fr; gap: 0.25rem 1.2rem; margin: 0.5rem 0 1rem }", &
       "dt { grid-column: 1; font-weight: 600; color: var(--soft) } dd { grid-column: 2; margin: 0 }", &
       "dt.warning, dt.warning + dd { color: var(--warn) }", &
-      ".warnings { background: var(--warn-ground); border-left: 0.35rem solid var(--warn); padding: 0.1rem 1rem 0.4rem }", &
-      ".warnings h3 { margin: 0.6rem 0 0.2rem; color: var(--warn) }", &
+      "dt.warning, dt.warning + dd { background: var(--warn-ground) }", &
+      ".mark { fill: none; stroke: currentColor; stroke-width: 2.5px }", &
       ".scroll { overflow-x: auto; margin: 0.5rem 0 1rem; background: linear-gradient(to left, var(--ground) 40%, transparent)", &
       "  100% 0/40px 100% no-repeat local, linear-gradient(to left, var(--line), transparent) 100% 0/12px 100% no-repeat }", &
       "table { border-collapse: collapse; font-size: 0.92rem; font-variant-numeric: tabular-nums; overflow-wrap: normal }", &

@@ -2,15 +2,16 @@
 !> What was read and what was assumed about it.
 module gyroakf_report_input
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type, sample_count
+   use gyroakf_record, only : audit_type, record_type, sample_count
    use gyroakf_units, only : quantity
    use gyroakf_release, only : release_string
-   use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_report_text_layout, only : put_title, put_heading, put_item, put_items, number, fixed, count_text, percent, plural
+   use gyroakf_io_writer, only : writer_type
+   use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, &
+      put_heading, put_item, put_title
    use gyroakf_report_text_table, only : add_row, new_table, put_table, set_cell, table_type
    implicit none (type, external)
    private
-   public :: report_inspect, put_input, put_source, has_unit, unit_name, time_unit, duration_text
+   public :: report_inspect, put_input, put_source, has_unit, unit_name, time_unit
 
 contains
 
@@ -20,31 +21,48 @@ contains
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
+      integer :: i
 
       call put_title(writer, "gyroakf "//release_string//": what the file holds")
       call put_input(writer, record)
-      call put_columns(writer, record)
+      if (allocated(record%warnings)) then
+         do i = 1, size(record%warnings)
+            associate (warning => record%warnings(i))
+               call put_item(writer, if_known(warning%note, "Note", "Warning"), warning%text, &
+                             verbatim=.true.)
+            end associate
+         end do
+      end if
+      if (allocated(record%column)) call put_columns(writer, record)
    end subroutine report_inspect
 
-   !> File, samples, rate, unit, what is missing, warnings.
+   !> File, samples, rate, unit, what is missing, what the time stamps show.
    subroutine put_input(writer, record)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
+      character(:), allocatable :: form
 
       call put_heading(writer, "Input", "-")
-      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//format_text(record)//")", verbatim=.true.)
+      form = text_or(record%format, "no format")
+      if (form == "npy") form = form//", "//text_or(record%stored_type, "")
+      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//form//")", &
+                    verbatim=.true.)
       call put_item(writer, "Samples", count_text(sample_count(record))//" in "// &
-                    plural(size(record%value, 2, kind=int64), "channel")//": "//channel_names(record), verbatim=.true.)
-      call put_rate(writer, record)
+                    plural(size(record%value, 2, kind=int64), "channel")//": "// &
+                    channel_names(record), verbatim=.true.)
+      call put_item(writer, "Rate", rate_text(record))
       call put_units(writer, record)
-      call put_missing(writer, record)
+      call put_item(writer, "Missing", plural(record%audit%missing, "value")// &
+                    missing_share(record, " of "//count_text(values_of(record)))//", "// &
+                    plural(record%audit%gaps, "gap")//if_known(record%audit%bad_lines > 0, &
+                    ", "//plural(record%audit%bad_lines, "line")//" that could not be read"))
+      if (record%audit%has_stamps) call put_stamps(writer, record%audit)
       if (allocated(record%resample)) call put_resample(writer, record)
-      call put_items(writer, "Warning", record%warnings)
    end subroutine put_input
 
-   !> The same in two lines, without what the time stamps show and the warnings.
+   !> The same in two lines, without what the time stamps show.
    subroutine put_source(writer, record)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -54,20 +72,37 @@ contains
 
       text = text_or(record%path, "(in memory)")//": "//plural(sample_count(record), "sample")
       if (record%rate_known) text = text//", "//rate_text(record)
-      text = text//", "
-      if (record%audit%missing == 0) text = text//"none missing"
-      if (record%audit%missing > 0) text = text//plural(record%audit%missing, "value")//" ("// &
-         percent(real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp))//") missing"
+      text = text//", "//if_known(record%audit%missing > 0, &
+                                  plural(record%audit%missing, "value")// &
+                                  missing_share(record, "")//" missing", "none missing")
       if (record%audit%gaps > 0) text = text//" in "//plural(record%audit%gaps, "gap")
       call put_item(writer, "Record", text, verbatim=.true.)
-      if (.not. record%rate_known) call put_rate(writer, record)
+      if (.not. record%rate_known) call put_item(writer, "Rate", rate_text(record))
       if (allocated(record%channel_unit) .or. .not. has_unit(record)) then
          call put_units(writer, record)
       else
-         call put_item(writer, "Channels", channel_names(record)//" in "//unit_name(record)//source(record%unit_source), &
-                       verbatim=.true.)
+         call put_item(writer, "Channels", channel_names(record)//" in "//unit_name(record)// &
+                       source(record%unit_source), verbatim=.true.)
       end if
    end subroutine put_source
+
+   !> Values of all channels.
+   pure integer(int64) function values_of(record)
+      type(record_type), intent(in) :: record
+
+      values_of = sample_count(record)*size(record%value, 2)
+   end function values_of
+
+   !> " (1.2 %)" behind a text; "" where nothing is missing.
+   pure function missing_share(record, before) result(text)
+      type(record_type), intent(in) :: record
+      character(*), intent(in) :: before
+      character(:), allocatable :: text
+
+      text = ""
+      if (record%audit%missing > 0) text = before//" ("// &
+         percent(real(record%audit%missing, dp)/real(values_of(record), dp))//")"
+   end function missing_share
 
    !> "gx, gy, gz".
    pure function channel_names(record) result(names)
@@ -78,32 +113,28 @@ contains
       names = ""
       if (.not. allocated(record%channel)) return
       do i = 1, size(record%channel)
-         if (i > 1) names = names//", "
-         names = names//record%channel(i)%text
+         names = names//if_known(i > 1, ", ")//record%channel(i)%text
       end do
    end function channel_names
 
-   !> "5 Hz (as the file says); 2400 s (40 min)".
+   !> "5 Hz (as the file says); 2400 s (40 min)", or what would give the rate.
    pure function rate_text(record) result(text)
       type(record_type), intent(in) :: record
       character(:), allocatable :: text
+      real(dp) :: seconds
 
+      text = "not known: times are in samples, and results per sample; --rate HZ (or --dt S) "// &
+         "gives seconds and the usual units"
+      if (.not. record%rate_known) return
+      seconds = real(sample_count(record), dp)*record%sample_interval
       text = number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
-             duration_text(real(sample_count(record), dp)*record%sample_interval)
-   end function rate_text
-
-   !> The rate, or what would give it.
-   subroutine put_rate(writer, record)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-
-      if (record%rate_known) then
-         call put_item(writer, "Rate", rate_text(record))
-      else
-         call put_item(writer, "Rate", "not known: times are in samples, and results per sample; --rate HZ (or --dt S) "// &
-                       "gives seconds and the usual units")
+             number(seconds, 7)//" s"
+      if (seconds >= 7200.0_dp) then
+         text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
+      else if (seconds >= 120.0_dp) then
+         text = text//" ("//number(seconds/60.0_dp, 4)//" min)"
       end if
-   end subroutine put_rate
+   end function rate_text
 
    !> The units, or what would give them.
    subroutine put_units(writer, record)
@@ -111,24 +142,15 @@ contains
       type(record_type), intent(in) :: record
 
       if (allocated(record%channel_unit)) then
-         call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source), verbatim=.true.)
+         call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source), &
+                       verbatim=.true.)
       else if (has_unit(record)) then
          call put_item(writer, "Unit", unit_name(record)//source(record%unit_source))
       else
-         call put_item(writer, "Unit", "not known: results are in input units; --unit deg/s (or rad/s, deg/h, ...) gives "// &
-                       "the usual ones")
+         call put_item(writer, "Unit", "not known: results are in input units; --unit deg/s "// &
+                       "(or rad/s, deg/h, ...) gives the usual ones")
       end if
    end subroutine put_units
-
-   !> "text", or "npy, float32".
-   pure function format_text(record) result(text)
-      type(record_type), intent(in) :: record
-      character(:), allocatable :: text
-
-      text = text_or(record%format, "no format")
-      if (.not. allocated(record%stored_type)) return
-      if (text == "npy") text = text//", "//record%stored_type
-   end function format_text
 
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
    pure function channel_units_text(record) result(text)
@@ -140,12 +162,12 @@ contains
       before = ""
       do i = 1, size(record%channel_unit)
          unit = text_or(record%channel_unit(i)%name, "not known")
-         if (i > 1 .and. unit == before) then
-            text = text//", "//record%channel(i)%text
+         if (unit == before) then
+            text = text//", "
          else
-            if (i > 1) text = text//"; "
-            text = text//unit//" for "//record%channel(i)%text
+            text = text//if_known(i > 1, "; ")//unit//" for "
          end if
+         text = text//record%channel(i)%text
          before = unit
       end do
    end function channel_units_text
@@ -158,84 +180,82 @@ contains
       associate (audit => record%audit)
          select case (record%resample)
          case ("nearest")
-            call put_item(writer, "Resampled", "each sample on the slot of its stamp, moved by up to "// &
-               number(audit%largest_shift, 3)//" s; "//plural(audit%empty_slots, "empty slot")//" (missing), "// &
-               plural(audit%dropped, "sample")//" dropped from taken slots")
+            call put_item(writer, "Resampled", "each sample on the slot of its stamp, moved by "// &
+                          "up to "//number(audit%largest_shift, 3)//" s; "// &
+                          plural(audit%empty_slots, "empty slot")//" (missing), "// &
+                          plural(audit%dropped, "sample")//" dropped from taken slots")
          case ("linear")
-            call put_item(writer, "Resampled", "by linear interpolation, which leaves "//number(audit%white_noise, 3)// &
-               " of the variance of white noise; "//plural(audit%empty_slots, "slot")//" in long intervals (missing), "// &
-               plural(audit%dropped, "sample")//" of equal or earlier stamp dropped")
-         case default
-            return
+            call put_item(writer, "Resampled", "by linear interpolation, which leaves "// &
+                          number(audit%white_noise, 3)//" of the variance of white noise; "// &
+                          plural(audit%empty_slots, "slot")//" in long intervals (missing), "// &
+                          plural(audit%dropped, "sample")//" of equal or earlier stamp dropped")
          end select
       end associate
    end subroutine put_resample
 
-   !> What is missing, and what the time stamps show.
-   subroutine put_missing(writer, record)
+   !> What the time stamps show.
+   subroutine put_stamps(writer, audit)
       type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
+      type(audit_type), intent(in) :: audit
+      character(*), parameter :: kinds(3) = [character(13) :: "duplicate", "backward step", "gap"]
       character(:), allocatable :: text
+      integer :: i
 
-      text = plural(record%audit%missing, "value")
-      if (record%audit%missing > 0) text = text//" of "//count_text(sample_count(record)*size(record%value, 2))//" ("// &
-         percent(real(record%audit%missing, dp)/real(sample_count(record)*size(record%value, 2), dp))//")"
-      text = text//", "//plural(record%audit%gaps, "gap")
-      if (record%audit%bad_lines > 0) text = text//", "//plural(record%audit%bad_lines, "line")//" that could not be read"
-      call put_item(writer, "Missing", text)
-      if (.not. record%audit%has_stamps) return
-      text = "mean rate "//number(record%audit%stamp_rate, 7)//" Hz, largest distance from an even grid "// &
-             number(record%audit%jitter_max, 3)//" s (usual "//number(record%audit%jitter_rms, 2)//" s), "// &
-             plural(record%audit%duplicates, "duplicate")//", "// &
-             plural(record%audit%backward_steps, "backward step")
-      call put_item(writer, "Time stamps", text)
-      if (.not. allocated(record%audit%line_of_first)) return
+      call put_item(writer, "Time stamps", "mean rate "//number(audit%stamp_rate, 7)// &
+                    " Hz, largest distance from an even grid "//number(audit%jitter_max, 3)// &
+                    " s (usual "//number(audit%jitter_rms, 2)//" s), "// &
+                    plural(audit%duplicates, "duplicate")//", "// &
+                    plural(audit%backward_steps, "backward step"))
+      if (.not. allocated(audit%line_of_first)) return
       text = ""
-      if (record%audit%line_of_first(1) > 0) text = text//", duplicate: line "//count_text(record%audit%line_of_first(1))
-      if (record%audit%line_of_first(2) > 0) text = text//", backward step: line "//count_text(record%audit%line_of_first(2))
-      if (record%audit%line_of_first(3) > 0) text = text//", gap: line "//count_text(record%audit%line_of_first(3))
-      if (len(text) > 0) call put_item(writer, "", "the first"//text(2:))
-      text = ""
-      if (record%audit%resolution > 0.0_dp) text = "; counts in "//number(record%audit%resolution, 4)//" s or less"
-      if (record%audit%rate_first > 0.0_dp) text = text//"; "//number(record%audit%rate_first, 7)//" Hz in the first half, "// &
-         number(record%audit%rate_second, 7)//" Hz in the second"
-      if (record%audit%repeated > 0) text = text//"; "//plural(record%audit%repeated, "repeated row")//", the first in line "// &
-         count_text(record%audit%line_of_repeat)
-      if (record%audit%bursts > 0) text = text//"; "//plural(record%audit%bursts, "burst")//" of up to "// &
-         plural(record%audit%longest_burst, "sample")//", the first in line "//count_text(record%audit%line_of_burst)
-      if (len(text) > 0) call put_item(writer, "Clock", text(3:))
-   end subroutine put_missing
+      do i = 1, 3
+         if (audit%line_of_first(i) > 0) text = text//", "//trim(kinds(i))//": line "// &
+            count_text(audit%line_of_first(i))
+      end do
+      if (text /= "") call put_item(writer, "", "the first"//text(2:))
+      text = if_known(audit%resolution > 0.0_dp, "; counts in "//number(audit%resolution, 4)// &
+                      " s or less")// &
+             if_known(audit%rate_first > 0.0_dp, "; "//number(audit%rate_first, 7)// &
+                      " Hz in the first half, "//number(audit%rate_second, 7)// &
+                      " Hz in the second")// &
+             if_known(audit%repeated > 0, "; "//plural(audit%repeated, "repeated row")// &
+                      ", the first in line "//count_text(audit%line_of_repeat))// &
+             if_known(audit%bursts > 0, "; "//plural(audit%bursts, "burst")//" of up to "// &
+                      plural(audit%longest_burst, "sample")//", the first in line "// &
+                      count_text(audit%line_of_burst))
+      if (text /= "") call put_item(writer, "Clock", text(3:))
+   end subroutine put_stamps
 
-   !> All columns of the file: class, unit, range and smallest step in that unit, and what is done with them.
+   !> All columns of the file: class, unit, range and smallest step in that unit, and what is done
+   !> with them.
    subroutine put_columns(writer, record)
-      !> The report
       type(writer_type), intent(inout) :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       type(table_type) :: table
+      character(:), allocatable :: unit, purpose
       real(dp) :: range(3)
       integer :: i, c
 
-      if (.not. allocated(record%column)) return
       call put_heading(writer, "Columns", "-")
       call new_table(table, size(record%column) + 1, 8, left=4)
       call add_row(table, "column", "name;class;unit;minimum;maximum;step;use")
       do i = 1, size(record%column)
          associate (column => record%column(i))
             c = column%channel
-            call set_cell(table, i + 1, 1, count_text(int(i, int64)))
-            call set_cell(table, i + 1, 2, text_or(column%name, "-"))
-            call set_cell(table, i + 1, 3, column%class)
-            call set_cell(table, i + 1, 4, text_or(column%unit, "-"))
-            if (c > 0) call set_cell(table, i + 1, 4, text_or(channel_unit_name(record, c), text_or(column%unit, "-")))
             range = [column%minimum, column%maximum, column%step]
-            if (c > 0) range = [record%audit%minimum(c), record%audit%maximum(c), record%audit%quantisation(c)]
-            call set_cell(table, i + 1, 5, number(range(1), 6))
-            call set_cell(table, i + 1, 6, number(range(2), 6))
-            call set_cell(table, i + 1, 7, number(range(3), 4))
-            call set_cell(table, i + 1, 8, "not analyzed")
-            if (column%is_time) call set_cell(table, i + 1, 8, "time")
-            if (c > 0) call set_cell(table, i + 1, 8, "analyzed")
+            unit = text_or(column%unit, "-")
+            purpose = if_known(column%is_time, "time", "not analyzed")
+            if (c > 0) then
+               range = [record%audit%minimum(c), record%audit%maximum(c), &
+                        record%audit%quantisation(c)]
+               unit = text_or(channel_unit_name(record, c), unit)
+               purpose = "analyzed"
+            end if
+            call add_row(table, count_text(int(i, int64)), ";"//column%class//";;"// &
+                         number(range(1), 6)//";"//number(range(2), 6)//";"// &
+                         number(range(3), 4)//";"//purpose)
+            call set_cell(table, i + 1, 2, text_or(column%name, "-"))
+            call set_cell(table, i + 1, 4, unit)
          end associate
       end do
       call put_table(writer, table, verbatim=.true.)
@@ -279,28 +299,12 @@ contains
       if (record%rate_known) name = "s"
    end function time_unit
 
-   !> "2400 s (40 min)".
-   pure function duration_text(seconds) result(text)
-      !> Duration
-      real(dp), intent(in) :: seconds
-      character(:), allocatable :: text
-
-      text = number(seconds, 7)//" s"
-      if (seconds >= 7200.0_dp) then
-         text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
-      else if (seconds >= 120.0_dp) then
-         text = text//" ("//number(seconds/60.0_dp, 4)//" min)"
-      end if
-   end function duration_text
-
    !> Who said so.
    pure function source(name) result(text)
-      character(:), allocatable, intent(in) :: name
+      character(*), intent(in), optional :: name
       character(:), allocatable :: text
 
-      text = ""
-      if (.not. allocated(name)) return
-      select case (name)
+      select case (text_or(name, ""))
       case ("option"); text = " (as the option says)"
       case ("header"); text = " (as the file says)"
       case ("timestamps"); text = " (from the time stamps)"
@@ -310,14 +314,13 @@ contains
 
    !> The text, or another one where it is unallocated or empty.
    pure function text_or(text, other) result(chosen)
-      character(:), allocatable, intent(in) :: text
+      character(*), intent(in), optional :: text
       character(*), intent(in) :: other
       character(:), allocatable :: chosen
 
       chosen = other
-      if (allocated(text)) then
-         if (len(text) > 0) chosen = text
-      end if
+      if (.not. present(text)) return
+      if (len(text) > 0) chosen = text
    end function text_or
 
 end module gyroakf_report_input

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> The JSON renderer of a description: a text that grows while groups are opened, filled and closed.
 !>
-!> Numbers carry 17 significant digits, so that reading them back gives the same bits. NaN and infinite values are
-!> written as null. Text is written as valid UTF-8: control characters are escaped, bytes that are not UTF-8 become U+FFFD.
+!> Numbers carry 17 significant digits, so that reading them back gives the same bits. NaN and
+!> infinite values are written as null. Text is written as valid UTF-8: control characters are
+!> escaped, bytes that are not UTF-8 become U+FFFD.
 module gyroakf_report_json
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_decimal, only : format_real, real_length
+   use gyroakf_io_decimal, only : format_real, longest_real
    use gyroakf_io_writer, only : writer_type, put
    use gyroakf_record, only : text_type
    use gyroakf_report_description, only : description_type
@@ -71,65 +72,45 @@ contains
       class(json_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value
-      character(:), allocatable :: text
-      character(24) :: digits
 
-      select type (value)
-      type is (real(dp))
-         text = json_number(value)
-      type is (integer)
-         write (digits, "(i0)") value
-         text = trim(digits)
-      type is (integer(int64))
-         write (digits, "(i0)") value
-         text = trim(digits)
-      type is (logical)
-         text = trim(merge("true ", "false", value))
-      type is (character(*))
-         call quote_json(value, text)
-      class default
-         text = "null"
-      end select
-      call put_raw(self, key, text)
+      call put_raw(self, key, "")
+      call append_value(self, value)
    end subroutine put_value
 
    subroutine put_values(self, key, value)
       class(json_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value(:)
-      character(:), allocatable :: text
       integer(int64) :: i
 
       call put_raw(self, key, "[")
       do i = 1, size(value, kind=int64)
          if (i > 1) call append(self, ", ")
-         select type (value)
-         type is (real(dp))
-            call append(self, json_number(value(i)))
-         type is (text_type)
-            call quote_json(value(i)%text, text)
-            call append(self, text)
-         end select
+         call append_value(self, value(i))
       end do
       call append(self, "]")
    end subroutine put_values
 
-   !> The length of `json_number`.
-   pure integer function number_length(value)
-      real(dp), intent(in) :: value
+   !> One value; null where it is not known or not finite.
+   subroutine append_value(self, value)
+      class(json_type), intent(inout) :: self
+      class(*), intent(in) :: value
+      character(:), allocatable :: text
+      character(longest_real) :: digits
 
-      number_length = len("null")
-      if (ieee_is_finite(value)) number_length = real_length(value, 17)
-   end function number_length
-
-   !> A number at 17 significant digits, null where it is not finite.
-   pure function json_number(value) result(text)
-      real(dp), intent(in) :: value
-      character(number_length(value)) :: text
-
-      text = "null"
-      if (ieee_is_finite(value)) text = format_real(value, 17)
-   end function json_number
+      digits = "null"
+      select type (value)
+      type is (real(dp))
+         if (ieee_is_finite(value)) digits = format_real(value, 17)
+      type is (integer); write (digits, "(i0)") value
+      type is (integer(int64)); write (digits, "(i0)") value
+      type is (logical); digits = merge("true ", "false", value)
+      type is (character(*)); call quote_json(value, text)
+      type is (text_type); call quote_json(value%text, text)
+      end select
+      if (.not. allocated(text)) text = trim(digits)
+      call append(self, text)
+   end subroutine append_value
 
    !> A string in quotes, escaped.
    pure subroutine quote_json(text, quoted)
@@ -152,7 +133,8 @@ contains
          else if (text(i:i) == '"' .or. text(i:i) == "\") then
             quoted = quoted//"\"//text(i:i)
          else if (code < 32 .or. code == 127) then
-            escape = "\u00"//hexadecimal(code/16 + 1:code/16 + 1)//hexadecimal(mod(code, 16) + 1:mod(code, 16) + 1)
+            escape = "\u00"//hexadecimal(code/16 + 1:code/16 + 1)// &
+               hexadecimal(mod(code, 16) + 1:mod(code, 16) + 1)
             quoted = quoted//escape
          else
             quoted = quoted//text(i:i + length - 1)

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> The tables of [[gyroakf_report_tables]] in LaTeX, to be taken into a paper by \input; booktabs is all that they need.
+!> The tables of [[gyroakf_report_tables]] in LaTeX, to be taken into a paper by \input; booktabs is
+!> all that they need.
 module gyroakf_report_latex
    use gyroakf_kinds, only : int64
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type
-   use gyroakf_report_text_layout, only : count_text
+   use gyroakf_report_text_layout, only : count_text, if_known
    use gyroakf_report_sign, only : find_power, find_root, find_sign, signs
    use gyroakf_report_text_table, only : table_type
    use gyroakf_report_tables, only : make_tables
@@ -50,29 +51,32 @@ contains
       type(table_type), intent(in) :: table
       character(*), intent(in) :: channel, label
       character(:), allocatable :: line
-      integer :: i, j
+      integer :: i, j, columns
 
+      columns = size(table%cell, 2)
       call put_line(writer, "")
       call put_line(writer, "\begin{table}")
       call put_line(writer, "  \centering")
-      call put_line(writer, "  \caption{"//latex_text(table%caption)//"; channel "//latex_text(channel, verbatim=.true.)//"}")
+      call put_line(writer, "  \caption{"//latex_text(table%caption)//"; channel "// &
+                    latex_text(channel, verbatim=.true.)//"}")
       call put_line(writer, "  \label{"//label//"}")
-      if (size(table%cell, 2) <= 6) call put_line(writer, "  \footnotesize\setlength{\tabcolsep}{4pt}")
-      if (size(table%cell, 2) > 6) call put_line(writer, "  \scriptsize\setlength{\tabcolsep}{3pt}")
-      call put_line(writer, "  \begin{tabular}{"//repeat("l", table%left)//repeat("r", size(table%cell, 2) - table%left)//"}")
+      call put_line(writer, if_known(columns <= 6, "  \footnotesize\setlength{\tabcolsep}{4pt}", &
+                                     "  \scriptsize\setlength{\tabcolsep}{3pt}"))
+      call put_line(writer, "  \begin{tabular}{"//repeat("l", table%left)// &
+                    repeat("r", columns - table%left)//"}")
       call put_line(writer, "    \toprule")
       do i = 1, size(table%cell, 1)
          line = "    "
-         do j = 1, size(table%cell, 2)
-            if (j > 1) line = line//" & "
-            line = line//latex_text(table%cell(i, j)%text)
+         do j = 1, columns
+            line = line//if_known(j > 1, " & ")//latex_text(table%cell(i, j)%text)
          end do
          call put_line(writer, line//" \\")
          if (i == table%head) call put_line(writer, "    \midrule")
       end do
       call put_line(writer, "    \bottomrule")
       call put_line(writer, "  \end{tabular}")
-      if (table%note /= "") call put_line(writer, "  \par\smallskip\parbox{0.9\linewidth}{"//latex_text(table%note)//"}")
+      if (table%note /= "") call put_line(writer, "  \par\smallskip\parbox{0.9\linewidth}{"// &
+                                          latex_text(table%note)//"}")
       call put_line(writer, "\end{table}")
    end subroutine put_latex
 
@@ -94,7 +98,7 @@ contains
          if (.not. present(verbatim)) call take_sign(flat, i, piece, last)
          if (last == 0) then
             call take_byte(flat(i:i), piece)
-            if (flat(i:i) == "-" .and. i > 1) then                  ! no dash is made of the hyphens of an option
+            if (flat(i:i) == "-" .and. i > 1) then    ! no dash is made of the hyphens of an option
                if (flat(i - 1:i - 1) == "-" .and. flat /= "--") piece = "{}-"
             end if
             last = i
@@ -131,12 +135,13 @@ contains
       integer :: row
 
       row = find_sign(text, i)
-      last = find_root(text, i)
       if (row > 0) then
          piece = "$"//trim(signs(row)%latex)//"$"
          last = i + len_trim(signs(row)%ascii) - 1
          return
-      else if (last > 0) then
+      end if
+      last = find_root(text, i)
+      if (last > 0) then
          piece = "$\sqrt{\mathrm{"//text(i + 5:last - 1)//"}}$"
          return
       end if
@@ -145,41 +150,30 @@ contains
          piece = "$^{"//text(i + 1:last)//"}$"
          return
       end if
-      last = find_exponent(text, i)
-      if (last > 0) then
-         piece = ""
-         if (exponent_text(text(i + 1:last)) /= "0") piece = "$\times10^{"//exponent_text(text(i + 1:last))//"}$"
-      else if (is_minus(text, i)) then
-         piece = "$-$"
-         last = i
-      end if
+      call take_exponent(text, i, piece, last)
+      if (last > 0 .or. .not. is_minus(text, i)) return
+      piece = "$-$"
+      last = i
    end subroutine take_sign
 
-   !> The last byte of "e-04" behind a digit, 0 where none begins.
-   pure integer function find_exponent(text, i) result(last)
+   !> "e-04" behind a digit is a power of ten, "e+00" nothing.
+   pure subroutine take_exponent(text, i, piece, last)
       character(*), intent(in) :: text
       integer, intent(in) :: i
-      integer :: length
+      character(:), allocatable, intent(inout) :: piece
+      integer, intent(out) :: last
+      character(12) :: power
+      integer :: value, stat
 
       last = 0
       if (i < 2 .or. i + 2 > len(text)) return
-      if (text(i:i) /= "e" .or. scan(text(i - 1:i - 1), digits) == 0 .or. scan(text(i + 1:i + 1), "+-") == 0) return
-      length = verify(text(i + 2:)//" ", digits) - 1
-      if (length > 0) last = i + 1 + length
-   end function find_exponent
-
-   !> "-04" is "-4", "+05" is "5", "+00" is "0".
-   pure function exponent_text(text) result(short)
-      !> A sign and digits
-      character(*), intent(in) :: text
-      character(:), allocatable :: short
-      integer :: first
-
-      first = verify(text(2:), "0")
-      short = "0"
-      if (first > 0) short = text(1 + first:)
-      if (text(1:1) == "-") short = "-"//short
-   end function exponent_text
+      if (text(i:i) /= "e" .or. scan(text(i - 1:i - 1), digits) == 0 .or. &
+          scan(text(i + 1:i + 1), "+-") == 0 .or. scan(text(i + 2:i + 2), digits) == 0) return
+      last = i + verify(text(i + 2:)//" ", digits)
+      read (text(i + 1:last), *, iostat=stat) value
+      write (power, "(i0)") value
+      piece = if_known(value /= 0, "$\times10^{"//trim(power)//"}$")
+   end subroutine take_exponent
 
    !> A hyphen that is the sign of a number.
    pure logical function is_minus(text, i)

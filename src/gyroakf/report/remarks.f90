@@ -1,22 +1,23 @@
 ! SPDX-License-Identifier: MIT
-!> Warnings, what is not available, and notes of a whole result; one entry for all channels it applies to.
+!> Warnings, what is not available, and notes of a whole result; one entry for all channels it
+!> applies to.
 module gyroakf_report_remarks
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_text_layout, only : fixed, plural, put_item
+   use gyroakf_report_text_layout, only : fixed, if_known, plural, put_item
    implicit none (type, external)
    private
    public :: put_remarks
 
-   !> Kinds of remarks in their order, and their labels
-   integer, parameter :: warning = 1, missing = 2, note = 3
-   character(13), parameter :: label(3) = [character(13) :: "Warning", "Not available", "Note"]
+   !> Kinds of remarks in their order
+   character(13), parameter :: warning = "Warning", missing = "Not available", note = "Note"
+   character(13), parameter :: kinds(3) = [warning, missing, note]
 
    !> One sentence
    type :: remark_type
-      integer :: kind = warning
+      character(13) :: kind = warning
       character(:), allocatable :: text
       !> Of its channels; "" for the record
       character(:), allocatable :: names
@@ -24,7 +25,7 @@ module gyroakf_report_remarks
 
 contains
 
-   !> Warnings first, then what is not available, then the first notes.
+   !> Warnings first, then what is not available, then the notes.
    subroutine put_remarks(writer, command, record, result, most_notes)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -34,11 +35,11 @@ contains
       type(record_type), intent(in) :: record
       !> What came out
       type(pipeline_result_type), intent(in) :: result
-      !> Further ones are counted
-      integer, intent(in) :: most_notes
+      !> Further ones are counted (default: all are shown)
+      integer, intent(in), optional :: most_notes
       type(remark_type), allocatable :: remark(:)
-      character(:), allocatable :: text
-      integer :: i, kind, number
+      character(:), allocatable :: names
+      integer :: i, kind, count
 
       allocate (remark(0))
       if (command == "run" .or. command == "filter") call add_passing(remark, result)
@@ -51,18 +52,22 @@ contains
             call add_list(remark, channel%unavailable, missing, channel%name, "")
          end associate
       end do
-      do kind = warning, note
-         number = 0
+      do kind = 1, size(kinds)
+         count = 0
          do i = 1, size(remark)
-            if (remark(i)%kind /= kind) cycle
-            number = number + 1
-            if (kind == note .and. number > most_notes) cycle
-            text = remark(i)%text
-            if (size(result%channel) > 1 .and. remark(i)%names /= "") text = remark(i)%names//": "//text
-            call put_item(writer, trim(label(kind)), text, verbatim=.true.)
+            if (remark(i)%kind /= kinds(kind)) cycle
+            count = count + 1
+            if (present(most_notes)) then
+               if (remark(i)%kind == note .and. count > most_notes) cycle
+            end if
+            names = if_known(size(result%channel) > 1 .and. remark(i)%names /= "", &
+                             remark(i)%names//": ")
+            call put_item(writer, trim(remark(i)%kind), names//remark(i)%text, verbatim=.true.)
          end do
       end do
-      if (number > most_notes) call put_item(writer, "", plural(int(number - most_notes, int64), "further note")//": --details")
+      if (.not. present(most_notes)) return
+      if (count > most_notes) call put_item(writer, "", &
+         plural(int(count - most_notes, int64), "further note")//": --details")
    end subroutine put_remarks
 
    !> The texts of a list; one that is there already gets the name.
@@ -70,7 +75,7 @@ contains
       type(remark_type), allocatable, intent(inout) :: remark(:)
       type(text_type), allocatable, intent(in) :: list(:)
       !> Of what is no note
-      integer, intent(in) :: kind
+      character(13), intent(in) :: kind
       character(*), intent(in) :: name
       !> Before each text
       character(*), intent(in) :: prefix
@@ -85,23 +90,22 @@ contains
    !> One remark.
    pure subroutine add_remark(remark, kind, text, name)
       type(remark_type), allocatable, intent(inout) :: remark(:)
-      integer, intent(in) :: kind
+      character(13), intent(in) :: kind
       character(*), intent(in) :: text, name
       type(remark_type), allocatable :: longer(:)
-      integer :: i
+      integer :: i, n
 
-      do i = 1, size(remark)
+      n = size(remark)
+      do i = 1, n
          if (remark(i)%kind /= kind .or. remark(i)%text /= text) cycle
          remark(i)%names = remark(i)%names//", "//name
          return
       end do
-      allocate (longer(size(remark) + 1))                  ! gfortran loses the texts of an array constructor
-      do i = 1, size(remark)
-         longer(i) = remark(i)
-      end do
-      longer(i)%kind = kind
-      longer(i)%text = text
-      longer(i)%names = name
+      allocate (longer(n + 1))                          ! an array constructor loses the texts
+      longer(:n) = remark
+      longer(n + 1)%kind = kind
+      longer(n + 1)%text = text
+      longer(n + 1)%names = name
       call move_alloc(longer, remark)
    end subroutine add_remark
 
@@ -118,9 +122,9 @@ contains
       has_kf(:) = result%channel%available%kf
       has_akf(:) = result%channel%available%akf
       text = passed("KF", kf, has_kf)//passed("AKF", akf, has_akf)
-      if (text == "") return
-      call add_remark(remark, note, "the paper's filters pass a constant rotation in part (DC gain: "//text(3:)// &
-                      "): their outputs are no input for navigation", "")
+      if (text /= "") call add_remark(remark, note, "the paper's filters pass a constant "// &
+         "rotation in part (DC gain: "//text(3:)//"): their outputs are no input for "// &
+         "navigation", "")
    end subroutine add_passing
 
    !> ", KF 61 %", ", AKF 17 to 50 %"; "" where no channel has the filter.
@@ -134,7 +138,8 @@ contains
       text = ""
       if (.not. any(available)) return
       text = fixed(minval(percent, available), 0)
-      if (fixed(maxval(percent, available), 0) /= text) text = text//" to "//fixed(maxval(percent, available), 0)
+      if (fixed(maxval(percent, available), 0) /= text) &
+         text = text//" to "//fixed(maxval(percent, available), 0)
       text = ", "//name//" "//text//" %"
    end function passed
 

@@ -10,6 +10,7 @@ module gyroakf_report_summary_row
    use gyroakf_report_csv_row, only : csv_row_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document, only : gather_warnings
+   use gyroakf_report_input, only : has_unit
    use gyroakf_report_json, only : json_text, json_type
    use gyroakf_report_text_layout, only : count_text, if_known, number
    use gyroakf_report_verdicts, only : verdict_text
@@ -159,7 +160,7 @@ contains
       end if
       call out%open("")
       call out%put("name", name, title="channel")
-      call out%put_known_text("unit", view%unit%name)
+      call out%put("unit", view%unit%name, has_unit(view))
       call out%put("mean", channel%raw%mean, there)
       call out%put("std", channel%raw%std, there)
       call out%put("outliers_removed", channel%clean%removed, channel%available%preprocess)

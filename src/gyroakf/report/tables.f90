@@ -1,20 +1,21 @@
 ! SPDX-License-Identifier: MIT
-!> The tables of a channel for a paper: tests, Table I (AR models), Table II (filters), Table III
-!> (noise coefficients).
+!> The tables of a channel for a paper: tests, Table I (AR models), Table II (filters); Table III is
+!> in [[gyroakf_report_text_noise]].
 module gyroakf_report_tables
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_filter_filter_series, only : filter_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_record, only : record_type
-   use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_report_input, only : unit_name
-   use gyroakf_report_text_filters, only : make_filter_table
-   use gyroakf_report_text_layout, only : count_text, fixed, number, p_value_text, scientific
+   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_text_layout, only : count_text, fixed, if_known, number, p_value_text, &
+      percent, scientific
    use gyroakf_report_text_noise, only : make_comparison
-   use gyroakf_report_text_table, only : add_row, new_table, set_exacts, table_type
-   use gyroakf_report_verdicts, only : level
+   use gyroakf_report_text_table, only : add_row, new_table, table_type
+   use gyroakf_report_verdicts, only : level, whiteness_word
    implicit none (type, external)
    private
-   public :: make_tables, make_tests_table, has_tests, kpss_p_text, bare, make_ar_table, upper_case
+   public :: make_tables, make_tests_table, has_tests, kpss_p_text, bare, make_ar_table, &
+      make_filter_table, has_filters, full_name
 
 contains
 
@@ -26,27 +27,38 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> [at most 4]
       type(table_type), allocatable, intent(out) :: tables(:)
-      logical :: wanted(4)
-      integer :: n, kind
+      type(table_type) :: made(4)
+      integer :: n
+
+      n = 0
+      if (has_tests(channel)) then
+         n = n + 1
+         call make_tests_table(channel, made(n))
+      end if
+      if (channel%available%ar) then
+         n = n + 1
+         call make_ar_table(record, channel, made(n))
+      end if
+      if (has_filters(channel)) then
+         n = n + 1
+         call make_filter_table(record, channel, made(n))
+      end if
+      if (any(channel%allan%fitted)) then
+         n = n + 1
+         call make_comparison(record, channel, made(n))
+      end if
+      tables = made(:n)
+   end subroutine make_tables
+
+   !> A filter at least has a result.
+   pure logical function has_filters(channel)
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
 
       associate (is => channel%available)
-         wanted = [has_tests(channel), is%ar, &
-                   is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf, &
-                   any(channel%allan%fitted)]
+         has_filters = is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf
       end associate
-      allocate (tables(count(wanted)))
-      n = 0
-      do kind = 1, size(wanted)
-         if (.not. wanted(kind)) cycle
-         n = n + 1
-         select case (kind)
-         case (1); call make_tests_table(channel, tables(n))
-         case (2); call make_ar_table(record, channel, tables(n))
-         case (3); call make_filter_table(record, channel, tables(n))
-         case default; call make_comparison(record, channel, tables(n))
-         end select
-      end do
-   end subroutine make_tables
+   end function has_filters
 
    !> One test at least has a result.
    pure logical function has_tests(channel)
@@ -54,7 +66,8 @@ contains
       type(channel_result_type), intent(in) :: channel
 
       associate (is => channel%available)
-         has_tests = is%adf .or. is%kpss .or. is%jarque_bera .or. is%anderson_darling .or. is%ljung_box
+         has_tests = is%adf .or. is%kpss .or. is%jarque_bera .or. is%anderson_darling .or. &
+            is%ljung_box
       end associate
    end function has_tests
 
@@ -71,31 +84,34 @@ contains
       table%caption = "Tests of the "//trim(channel%tested)
       table%note = "Critical values and rejections are those of a significance of 5 %."
       call add_row(table, "test", "null hypothesis;statistic;critical;p;rejected")
-      associate (is => channel%available, adf => channel%adf, kpss => channel%kpss)
+      associate (is => channel%available, adf => channel%adf, kpss => channel%kpss, &
+                 jarque_bera => channel%jarque_bera, anderson => channel%anderson_darling, &
+                 ljung_box => channel%ljung_box)
          if (is%adf) call add_test("augmented Dickey-Fuller", "unit root", adf%statistic, &
-                                   adf%p_value, &
-                                   number(adf%critical(2), 4))
-         if (is%kpss) call add_row(table, "KPSS", "stationary;"//number(kpss%statistic, 4)//";"// &
-            number(kpss%critical(2), 4)//";"//kpss_p_text(channel)//";"// &
-            trim(merge("no ", "yes", kpss%stationary)))
-         if (is%jarque_bera) call add_test("Jarque-Bera", "normal", channel%jarque_bera%statistic, &
-                                           channel%jarque_bera%p_value, "")
-         if (is%anderson_darling) call add_test("Anderson-Darling", "normal", &
-                                                channel%anderson_darling%modified, &
-                                                channel%anderson_darling%p_value, "")
-         if (is%ljung_box) call add_test("Ljung-Box", "white", channel%ljung_box%statistic, &
-                                         channel%ljung_box%p_value, "")
+                                   bare(adf%p_value), adf%p_value < level, adf%critical(2))
+         if (is%kpss) call add_test("KPSS", "stationary", kpss%statistic, kpss_p_text(channel), &
+                                    .not. kpss%stationary, kpss%critical(2))
+         if (is%jarque_bera) call add_test("Jarque-Bera", "normal", jarque_bera%statistic, &
+                                           bare(jarque_bera%p_value), jarque_bera%p_value < level)
+         if (is%anderson_darling) call add_test("Anderson-Darling", "normal", anderson%modified, &
+                                                bare(anderson%p_value), anderson%p_value < level)
+         if (is%ljung_box) call add_test("Ljung-Box", "white", ljung_box%statistic, &
+                                         bare(ljung_box%p_value), ljung_box%p_value < level)
       end associate
 
    contains
 
-      subroutine add_test(name, hypothesis, statistic, p, critical)
-         character(*), intent(in) :: name, hypothesis, critical
-         real(dp), intent(in) :: statistic, p
+      subroutine add_test(name, hypothesis, statistic, p, rejected, critical)
+         character(*), intent(in) :: name, hypothesis, p
+         real(dp), intent(in) :: statistic
+         logical, intent(in) :: rejected
+         real(dp), intent(in), optional :: critical
+         character(:), allocatable :: limit
 
-         call add_row(table, name, hypothesis//";"//number(statistic, 4)//";"//critical//";"// &
-                      bare(p)//";"// &
-                      trim(merge("yes", "no ", p < level)))
+         limit = ""
+         if (present(critical)) limit = number(critical, 4)
+         call add_row(table, name, hypothesis//";"//number(statistic, 4)//";"//limit//";"//p// &
+                      ";"//if_known(rejected, "yes", "no"))
       end subroutine add_test
 
    end subroutine make_tests_table
@@ -137,26 +153,18 @@ contains
       call new_table(table, size(channel%ar%table) + 1, 8, left=0)
       table%name = "ar"
       table%number = "I"
-      table%caption = "AR models ("//method_name(channel%ar%method)//", n = "// &
+      table%caption = "AR models ("//full_name(channel%ar%method)//", n = "// &
          count_text(channel%ar%compared_rows)//", variances in ("//unit_name(record)// &
-         ")^2); * is the order chosen by "//upper_case(trim(channel%ar%criterion))
+         ")^2); * is the order chosen by "//full_name(channel%ar%criterion)
       call add_row(table, "order", "variance;AIC;AICc;BIC;HQIC;FPE;AIC/n")
       do i = lbound(channel%ar%table, 1), ubound(channel%ar%table, 1)
          associate (line => channel%ar%table(i))
             call add_row(table, merge("* ", "  ", line%order == channel%ar%order)// &
                          count_text(int(line%order, int64)), &
                          scientific(line%noise_variance, 5)//";"//criterion(line%aic)//";"// &
-                            criterion(line%aicc)//";"// &
-                         criterion(line%bic)//";"//criterion(line%hqic)//";"//scientific(line%fpe, &
-                            5)//";"// &
+                         criterion(line%aicc)//";"//criterion(line%bic)//";"// &
+                         criterion(line%hqic)//";"//scientific(line%fpe, 5)//";"// &
                          fixed(line%aic_per_observation, 6))
-            call set_exacts(table, 2, "ar.table."//count_text(int(i - lbound(channel%ar%table, 1), &
-               int64))//".", &
-                            [character(19) :: "noise_variance", "aic", "aicc", "bic", "hqic", &
-                             "fpe", &
-                             "aic_per_observation"], [line%noise_variance, line%aic, line%aicc, &
-                                                      line%bic, &
-                             line%hqic, line%fpe, line%aic_per_observation])
          end associate
       end do
    end subroutine make_ar_table
@@ -167,35 +175,111 @@ contains
       character(:), allocatable :: text
 
       text = fixed(value, count(abs(value) < [1e5_dp, 1e6_dp]))
-      if (.not. ieee_is_finite(value)) text = "-"
    end function criterion
 
-   pure function method_name(method) result(name)
-      character(*), intent(in) :: method
-      character(:), allocatable :: name
-
-      select case (method)
-      case ("yw"); name = "Yule-Walker"
-      case ("burg"); name = "Burg"
-      case ("ols"); name = "least squares"
-      case default; name = trim(method)
-      end select
-   end function method_name
-
-   !> aic -> AIC, aicc -> AICc.
-   pure function upper_case(key) result(name)
-      !> As the options have it
+   !> What an option has as a key: "yw" is Yule-Walker, "aicc" AICc.
+   pure function full_name(key) result(name)
+      !> Method or criterion of the AR model
       character(*), intent(in) :: key
       character(:), allocatable :: name
 
       select case (key)
+      case ("yw"); name = "Yule-Walker"
+      case ("burg"); name = "Burg"
+      case ("ols"); name = "least squares"
       case ("aicc"); name = "AICc"
       case ("aic"); name = "AIC"
       case ("bic"); name = "BIC"
       case ("hqic"); name = "HQIC"
       case ("fpe"); name = "FPE"
-      case default; name = key
+      case default; name = trim(key)
       end select
-   end function upper_case
+   end function full_name
+
+   !> Table II: a row for each series and for each filter of both families.
+   subroutine make_filter_table(record, channel, table)
+      !> For the unit
+      type(record_type), intent(in) :: record
+      !> Filters are filled as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      !> Described
+      type(table_type), intent(out) :: table
+
+      call new_table(table, 1, 9, head=merge(2, 1, has_unit(record)))
+      table%name = "filters"
+      table%number = "II"
+      table%caption = "Before and after the filters"//if_known(.not. has_unit(record), &
+                                                               ", in input units")
+      call add_row(table, "", "mean;variance;share;gain;passes;NIS;|rho|;innov.")
+      if (has_unit(record)) &
+         call add_row(table, "", unit_name(record)//";("//unit_name(record)//")^2")
+      table%note = filter_note(channel)
+      associate (is => channel%available)
+         call add_series("raw", channel%raw%mean, channel%raw%variance, "")
+         call add_series("cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
+         if (is%kf) call add_filter("KF (paper)", channel%kf, channel%kf_figures)
+         if (is%akf) call add_filter("AKF (paper)", channel%akf, channel%akf_figures)
+         if (channel%drift%found .and. is%preprocess) &
+            call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
+         if (is%drift_kf) call add_filter("drift KF", channel%drift_kf, channel%drift_kf_figures)
+         if (is%drift_akf) &
+            call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
+         if (is%drift_smoother) then
+            call add_filter("smoother", channel%drift_smoother, channel%drift_smoother_figures)
+            call add_series("compensated", channel%compensated%mean, &
+                            channel%compensated%variance, percent(channel%compensated_ratio)// &
+                            ";;"//fixed(channel%drift_smoother_figures%lost_percent/100, 4))
+         end if
+      end associate
+
+   contains
+
+      !> A series; its cells from the share on.
+      subroutine add_series(name, mean, variance, cells)
+         character(*), intent(in) :: name, cells
+         real(dp), intent(in) :: mean, variance
+
+         call add_row(table, name, scientific(mean, 4)//";"//scientific(variance, 5)//";"//cells)
+      end subroutine add_series
+
+      !> A filter; a smoother has no innovations.
+      subroutine add_filter(name, filter, figures)
+         character(*), intent(in) :: name
+         type(filter_result_type), intent(in) :: filter
+         type(filter_figures_type), intent(in) :: figures
+         logical :: measured
+
+         measured = filter%nis_high > 0.0_dp
+         call add_series(name, filter%mean, filter%variance, percent(figures%variance_ratio)// &
+                         ";"//if_known(measured, number(filter%gain, 2))//";"// &
+                         fixed(filter%dc_gain, 4)//if_known(measured, ";"// &
+                         fixed(filter%nis_mean, 3)//";"//number(filter%ljung_box%largest_rho, 2)// &
+                         ";"//trim(whiteness_word(filter%ljung_box))))
+      end subroutine add_filter
+
+   end subroutine make_filter_table
+
+   !> What the columns of Table II mean, and what its filters are for.
+   pure function filter_note(channel) result(text)
+      type(channel_result_type), intent(in) :: channel
+      character(:), allocatable :: text
+
+      text = "share: variance over that of the series above that is filtered. gain: mean of "// &
+         "the last third. passes: share of a constant rotation (DC gain). NIS: mean squared "// &
+         "normalized innovation, 1 where Q and R describe the innovations"
+      associate (is => channel%available)
+         if (is%kf .and. channel%kf%nis_high > 0.0_dp) text = text//" (95 % of such filters "// &
+            "within "//fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
+         text = text//". |rho|: largest autocorrelation of the innovations."
+         if (is%drift_kf .or. is%drift_akf) text = text//" The paper's filters give out the "// &
+            "whole signal, smoothed; the drift filters the drift alone, to be subtracted, and "// &
+            "a rotation passes into it: estimate it at rest, only predict it in motion."// &
+            if_known(channel%drift%found .and. is%preprocess, " They see the raw record "// &
+                     "without its outliers; its trend is drift to them.")
+         if (is%drift_smoother) text = text//" compensated: the record less its smoothed "// &
+            "drift. In-sample: the drift was taken from the same record, before and after "// &
+            "each sample; no filter in use does as well."
+      end associate
+   end function filter_note
 
 end module gyroakf_report_tables

@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> The head of a report: a row for each channel with its noise, and what a Kalman filter takes of it.
+!> The head of a report: a row for each channel with its noise, and what a Kalman filter takes of
+!> it.
 module gyroakf_report_text_answer
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, stage, &
-      stated_coefficient_type
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, &
+      pipeline_result_type, stage, stated_coefficient_type
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
-   use gyroakf_report_text_layout, only : if_known, number, put_item, put_paragraph, report_width, rounded
+   use gyroakf_report_text_layout, only : if_known, number, put_item, put_paragraph, &
+      report_width, rounded
    use gyroakf_report_text_table, only : add_row, column_widths, new_table, put_table, table_type
    use gyroakf_units, only : quantity
    use gyroakf_report_verdicts, only : verdict_text
@@ -75,22 +77,22 @@ contains
       call new_table(table, 2, 8, head=2)
       call add_row(table, "", "mean;N;B;K;minimum;at tau;noise")
       associate (term => channel(1)%allan(stage%input)%stated%term)
-         call add_row(table, "", if_known(has_unit(view), unit_name(view))//";"//term(term_n)%unit//";"//term(3)%unit//";"// &
-                      term(term_k)%unit//";"// &
+         call add_row(table, "", if_known(has_unit(view), unit_name(view))//";"// &
+                      term(term_n)%unit//";"//term(3)%unit//";"//term(term_k)%unit//";"// &
                       term(3)%unit//";"//time_unit(record))
       end associate
       do c = 1, size(channel)
-         call add_row(table, channel(c)%name, cells_of(channel(c)%raw%mean, &
-                                                       channel(c)%allan(stage%input))//";"// &
-                      trim(verdict_text(channel(c))))
-         if (outliers_matter(channel(c))) call add_row(table, " no outliers", &
-                                                       cells_of(channel(c)%level%mean, &
-                                                       channel(c)%allan(stage%outliers_removed)))
+         associate (one => channel(c), allan => channel(c)%allan)
+            call add_row(table, one%name, cells_of(one%raw%mean, allan(stage%input))//";"// &
+                         trim(verdict_text(one)))
+            if (outliers_matter(one)) call add_row(table, " no outliers", &
+                                                   cells_of(one%level%mean, &
+                                                            allan(stage%outliers_removed)))
+         end associate
       end do
       call column_widths(table, width)
       if (2 + sum(width) + size(width) - 1 > report_width) then
          table%cell = table%cell(:, :7)
-         table%exact = table%exact(:, :7)
          call put_table(writer, table)
          call put_verdicts(writer, channel)
       else
@@ -130,9 +132,10 @@ contains
       outliers_matter = .false.
       if (.not. channel%allan(stage%outliers_removed)%available) return
       do i = term_n, term_k
-         associate (a => channel%allan(stage%input)%stated%term(i), b => channel%allan(stage%outliers_removed)%stated%term(i))
-            if (a%detected .neqv. b%detected) outliers_matter = .true.
-            if (a%detected .and. b%detected .and. abs(a%value - b%value) > a%std_error) outliers_matter = .true.
+         associate (a => channel%allan(stage%input)%stated%term(i), &
+                    b => channel%allan(stage%outliers_removed)%stated%term(i))
+            outliers_matter = outliers_matter .or. (a%detected .neqv. b%detected) .or. &
+               (a%detected .and. b%detected .and. abs(a%value - b%value) > a%std_error)
          end associate
       end do
    end function outliers_matter
@@ -148,8 +151,8 @@ contains
       do term = term_n, term_k
          cells = cells//";"//coefficient_text(allan%stated%term(term))
       end do
-      cells = cells//";"//if_known(allan%read_off%known, number(allan%read_off%minimum, 3))// &
-         ";"//if_known(allan%read_off%known, number(allan%read_off%minimum_tau, 4))
+      cells = cells//";"//if_known(allan%read_off%known, number(allan%read_off%minimum, 3)//";"// &
+                                   number(allan%read_off%minimum_tau, 4), ";")
    end function cells_of
 
    !> "2.484 +/- 0.007", "< 130", "-".
@@ -164,34 +167,29 @@ contains
       if (stated%detected) text = rounded(stated%value, stated%std_error)
    end function coefficient_text
 
-   !> N and K of the channel with the largest N, in SI, as a Kalman filter at the rate of the record takes them.
+   !> N and K of the channel with the largest N, in SI, as a Kalman filter at the rate of the record
+   !> takes them.
    subroutine put_filter_numbers(writer, record, channel)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel(:)
-      character(:), allocatable :: text, axis
+      character(:), allocatable :: text
       integer :: c
 
       c = maxloc(channel%allan(stage%input)%stated%term(term_n)%value_si, dim=1)
-      associate (n => channel(c)%allan(stage%input)%stated%term(term_n), k => channel(c)%allan(stage%input)%stated%term(term_k))
+      associate (n => channel(c)%allan(stage%input)%stated%term(term_n), &
+                 k => channel(c)%allan(stage%input)%stated%term(term_k))
          if (.not. (record%rate_known .and. n%detected .and. n%value_si > 0.0_dp)) return
-         axis = ""
-         if (size(channel) > 1) axis = " ("//channel(c)%name//", the largest N)"
-         text = "N "//number(n%value_si, 3)//" "//n%unit_si//" ("//number(n%value_si/sqrt(record%sample_interval), 3)// &
-                " "//sample_unit(record)//" rms a sample)"
-         if (k%fitted .and. k%detected) text = text//", K "//number(k%value_si, 3)//" "//k%unit_si
-         if (k%fitted .and. .not. k%detected) text = text//", K < "//number(k%upper_limit_si, 2)//" "//k%unit_si
-         call put_item(writer, "Kalman filter", "at "//number(1.0_dp/record%sample_interval, 5)//" Hz in SI: "//text//axis)
+         text = "N "//number(n%value_si, 3)//" "//n%unit_si//" ("// &
+            number(n%value_si/sqrt(record%sample_interval), 3)//" "// &
+            if_known(record%unit%quantity == quantity%acceleration, "m/s^2", "rad/s")// &
+            " rms a sample)"
+         if (k%fitted) text = text//", K "//if_known(k%detected, number(k%value_si, 3), "< "// &
+                                                     number(k%upper_limit_si, 2))//" "//k%unit_si
+         call put_item(writer, "Kalman filter", "at "//number(1.0_dp/record%sample_interval, 5)// &
+                       " Hz in SI: "//text//if_known(size(channel) > 1, " ("//channel(c)%name// &
+                                                     ", the largest N)"))
       end associate
    end subroutine put_filter_numbers
-
-   !> SI unit of a sample, as a Kalman filter takes its noise.
-   pure function sample_unit(record) result(unit)
-      type(record_type), intent(in) :: record
-      character(:), allocatable :: unit
-
-      unit = "rad/s"
-      if (record%unit%quantity == quantity%acceleration) unit = "m/s^2"
-   end function sample_unit
 
 end module gyroakf_report_text_answer

@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> The text renderer of a description, for a terminal and a page: the outermost groups have a heading, the groups and lists in them
-!> a labeled line each, "not white: statistic 2570, p < 1e-20, lags 20", each element of a list a line of its own.
+!> The text renderer of a description, for a terminal and a page: the outermost groups have a
+!> heading, the groups and lists in them a labeled line each, "not white: statistic 2570,
+!> p < 1e-20, lags 20", each element of a list a line of its own.
 module gyroakf_report_text_description
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : writer_type
    use gyroakf_record, only : text_type
    use gyroakf_report_description, only : description_type
-   use gyroakf_report_text_layout, only : count_text, fixed, number, p_value_text, put_heading, put_item, put_paragraph, rounded
+   use gyroakf_report_text_layout, only : count_text, fixed, number, p_value_text, put_heading, &
+      put_item, put_paragraph, rounded
    implicit none (type, external)
    private
    public :: text_description_type
@@ -80,18 +82,16 @@ contains
       end if
    end subroutine begin
 
-   !> Writes the line of a group; one in a line ends with its parenthesis, and is nothing where nothing of it is shown.
+   !> Writes the line of a group; one in a line ends with its parenthesis, and is nothing where
+   !> nothing of it is shown.
    subroutine close_group(self)
       class(text_description_type), intent(inout) :: self
 
       if (self%depth <= 2 .or. any(self%list(self%depth - 1:self%depth))) then
          call end_line(self)
       else if (self%depth <= self%hidden) then
-         if (ends_with(self%line, "(")) then
-            self%line = self%line(:self%start(self%depth))
-         else
-            self%line = self%line//")"
-         end if
+         self%line = self%line//")"
+         if (ends_with(self%line, "()")) self%line = self%line(:self%start(self%depth))
       end if
       if (self%depth == 2 .or. self%list(self%depth)) self%label = ""
       self%list(self%depth) = .false.
@@ -112,17 +112,11 @@ contains
       type is (real(dp))
          unit = unit_of(key)
          if (allocated(self%member%unit)) unit = " "//self%member%unit
-         if (key == "p_value" .and. .not. allocated(self%member%title)) then
-            title = p_value_text(value)
-         else
-            title = title//" "//value_text(value, self%member%std_error)//unit
-         end if
-      type is (integer)
-         title = title//" "//count_text(int(value, int64))
-      type is (integer(int64))
-         title = title//" "//count_text(value)
-      type is (logical)
-         if (.not. value) title = "not "//title
+         title = title//" "//value_text(value, self%member%std_error)//unit
+         if (key == "p_value" .and. .not. allocated(self%member%title)) title = p_value_text(value)
+      type is (integer); title = title//" "//count_text(int(value, int64))
+      type is (integer(int64)); title = title//" "//count_text(value)
+      type is (logical); if (.not. value) title = "not "//title
       type is (character(*))
          if (key == "") then
             call put_remark(self, value)
@@ -163,7 +157,8 @@ contains
       call add(self, title)
    end subroutine put_values
 
-   !> Before the values of a line "not white: ", after them "; the samples are correlated"; a line of its own in an outermost group.
+   !> Before the values of a line "not white: ", after them "; the samples are correlated"; a line
+   !> of its own in an outermost group.
    subroutine put_remark(self, text)
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: text
@@ -172,9 +167,7 @@ contains
          call end_line(self)
          self%line = text
          call end_line(self)
-      else if (self%line == "") then
-         self%line = text//":"
-      else if (ends_with(self%line, "(")) then
+      else if (self%line == "" .or. ends_with(self%line, "(")) then
          self%line = self%line//text//":"
       else
          self%line = self%line//"; "//text
@@ -217,24 +210,19 @@ contains
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: text
 
-      if (self%line == "") then
-         self%line = text
-      else if (ends_with(self%line, "(")) then
-         self%line = self%line//text
-      else if (ends_with(self%line, ":")) then
-         self%line = self%line//" "//text
-      else
-         self%line = self%line//", "//text
+      if (ends_with(self%line, ":")) then
+         self%line = self%line//" "
+      else if (self%line /= "" .and. .not. ends_with(self%line, "(")) then
+         self%line = self%line//", "
       end if
+      self%line = self%line//text
    end subroutine add
 
-   !> Whether a text ends with a character.
+   !> Whether a text ends with some characters.
    pure logical function ends_with(text, ending)
-      character(*), intent(in) :: text
-      character(1), intent(in) :: ending
+      character(*), intent(in) :: text, ending
 
-      ends_with = .false.
-      if (len(text) > 0) ends_with = text(len(text):) == ending
+      ends_with = text(max(1, len(text) - len(ending) + 1):) == ending .and. len(text) > 0
    end function ends_with
 
    !> Writes the line, before it the heading that is waiting.
@@ -244,7 +232,8 @@ contains
 
       if (self%line == "" .or. self%depth > self%hidden) return
       in_list = any(self%list(2:self%depth))
-      if (ends_with(self%line, ":")) self%line = self%line(:len(self%line) - 1)       ! a remark alone
+      ! a remark alone
+      if (ends_with(self%line, ":")) self%line = self%line(:len(self%line) - 1)
       if (allocated(self%heading)) then
          call put_heading(self%writer, self%heading)
          deallocate (self%heading)
@@ -263,11 +252,9 @@ contains
       real(dp), intent(in) :: value, std_error
       character(:), allocatable :: text
 
-      if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. .not. std_error > 0.0_dp) then
+      text = rounded(value, std_error)
+      if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. .not. std_error > 0.0_dp) &
          text = fixed(value, 2)
-      else
-         text = rounded(value, std_error)
-      end if
    end function value_text
 
    !> With a capital letter in front.

@@ -1,20 +1,20 @@
 ! SPDX-License-Identifier: MIT
 !> Lines of a terminal report: at most 80 columns, padded by characters (UTF-8), not by bytes.
 !>
-!> UTF-8 signs and colors are added here if the writer has them enabled; the texts hold neither. Where its `markup`
-!> is on, the same parts become elements of a page.
+!> UTF-8 signs and colors are added here if the writer has them enabled; the texts hold neither.
+!> Where its `markup` is on, the same parts become elements of a page.
 module gyroakf_report_text_layout
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : text_type
+   use gyroakf_io_place, only : count_text => integer_text
    use gyroakf_io_writer, only : writer_type, put_line, format_real
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_utf8, only : text_width, is_continuation
-   use gyroakf_report_html_markup, only : html_block, html_heading, html_item
+   use gyroakf_report_html_markup, only : html_heading, html_item, html_paragraph
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
    public :: report_width, pad_right, pad_left
-   public :: put_title, put_heading, put_item, put_paragraph, put_point, put_items
+   public :: put_title, put_heading, put_item, put_paragraph
    public :: number, rounded, scientific, fixed, count_text, p_value_text, plural, percent, if_known
 
    !> No line is longer
@@ -59,27 +59,16 @@ contains
       if (writer%unicode .and. .not. present(verbatim)) shown = to_unicode(text)
    end function with_signs
 
-   !> The text in a colour, where colours are shown.
-   pure function painted(writer, text, colour) result(shown)
+   !> The text in a color, where colors are shown.
+   pure function painted(writer, text, color) result(shown)
       type(writer_type), intent(in) :: writer
-      character(*), intent(in) :: text, colour
+      character(*), intent(in) :: text, color
       character(:), allocatable :: shown
 
       shown = text
-      if (writer%colour .and. colour /= "" .and. text /= "") shown = achar(27)//"["//colour//"m"//text//achar(27)//"[0m"
+      if (writer%colour .and. color /= "" .and. text /= "") &
+         shown = achar(27)//"["//color//"m"//text//achar(27)//"[0m"
    end function painted
-
-   !> Which colour a label has: what needs a look is yellow, what failed is red.
-   pure function colour_of(label) result(colour)
-      character(*), intent(in) :: label
-      character(:), allocatable :: colour
-
-      select case (label)
-      case ("Warning", "Misfit"); colour = "33"
-      case ("Not available"); colour = "31"
-      case default; colour = ""
-      end select
-   end function colour_of
 
    !> The first line of a report.
    subroutine put_title(writer, text)
@@ -101,7 +90,6 @@ contains
       character(1), intent(in), optional :: underline
       !> Holds what a user wrote: shown as it is
       logical, intent(in), optional :: verbatim
-
       character(:), allocatable :: shown
 
       shown = with_signs(writer, text, verbatim)
@@ -111,10 +99,12 @@ contains
       end if
       call put_line(writer, "")
       call put_wrapped(writer, "", shown, 0, bold)
-      if (present(underline)) call put_line(writer, painted(writer, repeat(underline, min(text_width(shown), report_width)), bold))
+      if (present(underline)) call put_line(writer, &
+         painted(writer, repeat(underline, min(text_width(shown), report_width)), bold))
    end subroutine put_heading
 
-   !> A label and its text, wrapped under itself.
+   !> A label and its text, wrapped under itself; the label is yellow where a look is needed, red
+   !> where something failed.
    subroutine put_item(writer, label, text, verbatim)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -124,34 +114,18 @@ contains
       character(*), intent(in) :: text
       !> Holds what a user wrote: shown as it is
       logical, intent(in), optional :: verbatim
+      character(2) :: color
 
       if (writer%markup%on) then
          call html_item(writer, label, with_signs(writer, text, verbatim))
          return
       end if
-      call put_wrapped(writer, pad_right("  "//label, item_column - 1)//" ", with_signs(writer, text, verbatim), item_column, &
-                       colour_of(label))
+      color = ""
+      if (label == "Warning") color = "33"
+      if (label == "Not available") color = "31"
+      call put_wrapped(writer, pad_right("  "//label, item_column - 1)//" ", &
+                       with_signs(writer, text, verbatim), item_column, color)
    end subroutine put_item
-
-   !> The same label for every text of a list, which are shown as they are; that of a note is "Note".
-   subroutine put_items(writer, label, list)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> At most 15 characters
-      character(*), intent(in) :: label
-      !> May be unallocated
-      type(text_type), allocatable, intent(in) :: list(:)
-      integer :: i
-
-      if (.not. allocated(list)) return
-      do i = 1, size(list)
-         if (list(i)%note) then
-            call put_item(writer, "Note", list(i)%text, verbatim=.true.)
-         else
-            call put_item(writer, label, list(i)%text, verbatim=.true.)
-         end if
-      end do
-   end subroutine put_items
 
    !> Wrapped text.
    subroutine put_paragraph(writer, text, indent)
@@ -163,76 +137,57 @@ contains
       integer, intent(in) :: indent
 
       if (writer%markup%on) then
-         call html_block(writer, "", "p", with_signs(writer, text))
-         return
+         call html_paragraph(writer, with_signs(writer, text))
+      else
+         call put_wrapped(writer, repeat(" ", indent), with_signs(writer, text), indent, "")
       end if
-      call put_wrapped(writer, repeat(" ", indent), with_signs(writer, text), indent, "")
    end subroutine put_paragraph
 
-   !> Wrapped text with a mark in front.
-   subroutine put_point(writer, text)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> Any length
-      character(*), intent(in) :: text
-
-      if (writer%markup%on) then
-         call html_block(writer, "ul", "li", with_signs(writer, text))
-         return
-      end if
-      call put_wrapped(writer, "  - ", with_signs(writer, text), 4, "")
-   end subroutine put_point
-
-   !> Wraps at blanks, but not inside "1 %", "a = 1", "1 +/- 2"; a word wider than a line is cut between characters.
-   !> The colour is that of what stands before the text, of the text where nothing does.
-   subroutine put_wrapped(writer, first, text, indent, colour)
+   !> Wraps at blanks, but not inside "1 %", "a = 1", "1 +/- 2"; a word wider than a line is cut
+   !> between characters. The color is that of what stands first, of the whole text where nothing
+   !> does.
+   subroutine put_wrapped(writer, first, text, indent, color)
       type(writer_type), intent(inout) :: writer
       character(*), intent(in) :: first, text
       integer, intent(in) :: indent
-      character(*), intent(in) :: colour
+      character(*), intent(in) :: color
       character(:), allocatable :: line
-      integer :: position, last, label
-      logical :: fresh
+      integer :: position, last, width, used
 
-      line = first
-      label = len(first)
-      fresh = .true.
+      line = painted(writer, first, color)
+      width = text_width(first)
+      used = 0                                          ! words in the line
       position = 1
       do
          call next_word(text, position, report_width - indent, last)
          if (last < position) exit
-         if (.not. fresh .and. text_width(line) + 1 + text_width(text(position:last)) > report_width) then
-            call put_coloured(writer, line, label, colour)
+         if (used > 0 .and. width + 1 + text_width(text(position:last)) > report_width) then
+            call end_line()
             line = repeat(" ", indent)
-            label = 0
-            fresh = .true.
+            width = indent
+            used = 0
+         else if (used > 0) then
+            line = line//" "
+            width = width + 1
          end if
-         if (.not. fresh) line = line//" "
          line = line//text(position:last)
-         fresh = .false.
+         width = width + text_width(text(position:last))
+         used = used + 1
          position = last + 1
       end do
-      call put_coloured(writer, trim(line), label, colour)
+      call end_line()
+
+   contains
+
+      subroutine end_line()
+         if (first == "") line = painted(writer, line, color)
+         call put_line(writer, trim(line))
+      end subroutine end_line
+
    end subroutine put_wrapped
 
-   !> A line whose label, or where the whole text is coloured all of it, has a colour.
-   subroutine put_coloured(writer, line, label, colour)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: line
-      !> Bytes of the label in this line
-      integer, intent(in) :: label
-      character(*), intent(in) :: colour
-      integer :: n
-
-      n = min(label, len(line))
-      if (colour == bold) then
-         call put_line(writer, painted(writer, line, colour))
-      else
-         call put_line(writer, painted(writer, line(:n), colour)//line(n + 1:))
-      end if
-   end subroutine put_coloured
-
-   !> The next word from `position` on, which moves to its first byte; `last` is before it where there is none.
+   !> The next word from `position` on, which moves to its first byte; `last` is before it where
+   !> there is none.
    pure subroutine next_word(text, position, widest, last)
       character(*), intent(in) :: text
       integer, intent(inout) :: position
@@ -240,10 +195,7 @@ contains
       integer, intent(out) :: last
       integer :: width
 
-      do while (position <= len(text))
-         if (text(position:position) /= " ") exit
-         position = position + 1
-      end do
+      position = position + verify(text(position:)//"x", " ") - 1
       last = position - 1
       width = 0
       do while (last < len(text))
@@ -261,9 +213,10 @@ contains
 
       is_break = text(i:i) == " "
       if (.not. is_break .or. i == 1 .or. i == len(text)) return
-      is_break = scan(text(i + 1:i + 1), "%=+<>") == 0 .and. scan(text(i - 1:i - 1), "=<>") == 0 .and. &
-                 text(max(1, i - 3):i - 1) /= "+/-"
-      if (is_break) is_break = text(i + 1:min(len(text), i + 2)) /= "±" .and. text(max(1, i - 2):i - 1) /= "±"
+      is_break = scan(text(i + 1:i + 1), "%=+<>") == 0 .and. &
+         scan(text(i - 1:i - 1), "=<>") == 0 .and. text(max(1, i - 3):i - 1) /= "+/-"
+      if (is_break) is_break = text(i + 1:min(len(text), i + 2)) /= "±" .and. &
+         text(max(1, i - 2):i - 1) /= "±"
    end function is_break
 
    !> A number at so many significant digits, "-" where it is not finite.
@@ -287,18 +240,15 @@ contains
       character(:), allocatable :: text
       character(40) :: buffer
       character(16) :: layout
-      integer :: e
+      logical :: long
 
       text = "-"
       if (.not. ieee_is_finite(value)) return
-      write (layout, "(a, i0, a)") "(es40.", digits - 1, "e2)"
-      if (abs(value) > 0.0_dp .and. (abs(value) < 1.0e-99_dp .or. abs(value) > 9.9e99_dp)) then
-         write (layout, "(a, i0, a)") "(es40.", digits - 1, "e3)"
-      end if
+      long = abs(value) > 0.0_dp .and. (abs(value) < 1.0e-99_dp .or. abs(value) > 9.9e99_dp)
+      write (layout, "(a, i0, a, i0, a)") "(es40.", digits - 1, "e", merge(3, 2, long), ")"
       write (buffer, layout) value
-      e = index(buffer, "E")
-      if (e > 0) buffer(e:e) = "e"
       text = trim(adjustl(buffer))
+      text(index(text, "E"):index(text, "E")) = "e"
    end function scientific
 
    !> A number with so many decimals, "-" where it is not finite.
@@ -311,19 +261,16 @@ contains
       character(64) :: buffer
       character(16) :: layout
 
-      text = "-"
-      if (.not. ieee_is_finite(value)) return
-      if (abs(value) >= 1.0e15_dp) then
-         text = scientific(value, 6)
-         return
-      end if
+      text = scientific(value, 6)
+      if (.not. abs(value) < 1.0e15_dp) return
       write (layout, "(a, i0, a)") "(f64.", decimals, ")"
       write (buffer, layout) value
       text = trim(adjustl(buffer))
       if (decimals == 0) text = text(:len(text) - 1)
    end function fixed
 
-   !> A number rounded to two digits of its standard error, "2.484 +/- 0.017"; four digits where there is none.
+   !> A number rounded to two digits of its standard error, "2.484 +/- 0.017"; four digits where
+   !> there is none.
    pure function rounded(value, std_error) result(text)
       !> Any
       real(dp), intent(in) :: value
@@ -343,19 +290,9 @@ contains
       end if
       if (anint(std_error*10.0_dp**decimals) > 99.0_dp) decimals = decimals - 1
       unit = 10.0_dp**(-decimals)
-      text = fixed(unit*anint(value/unit), max(0, decimals))//" +/- "//fixed(unit*anint(std_error/unit), max(0, decimals))
+      text = fixed(unit*anint(value/unit), max(0, decimals))//" +/- "// &
+             fixed(unit*anint(std_error/unit), max(0, decimals))
    end function rounded
-
-   !> An integer.
-   pure function count_text(value) result(text)
-      !> Any
-      integer(int64), intent(in) :: value
-      character(:), allocatable :: text
-      character(24) :: buffer
-
-      write (buffer, "(i0)") value
-      text = trim(buffer)
-   end function count_text
 
    !> "1 gap", "2 gaps".
    pure function plural(value, noun) result(text)
@@ -397,13 +334,9 @@ contains
       real(dp), intent(in) :: p
       character(:), allocatable :: text
 
-      if (.not. ieee_is_finite(p)) then
-         text = "p not known"
-      else if (p < 1.0e-20_dp) then
-         text = "p < 1e-20"
-      else
-         text = "p = "//format_real(p, 2)
-      end if
+      text = "p = "//number(p, 2)
+      if (p < 1.0e-20_dp) text = "p < 1e-20"
+      if (.not. ieee_is_finite(p)) text = "p not known"
    end function p_value_text
 
 end module gyroakf_report_text_layout

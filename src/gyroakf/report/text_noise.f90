@@ -3,13 +3,12 @@
 module gyroakf_report_text_noise
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type
-   use gyroakf_units, only : term_names, quantity
+   use gyroakf_units, only : quantity
    use gyroakf_io_writer, only : writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage, stage_names
+   use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage
    use gyroakf_report_text_layout, only : count_text, if_known, number, put_heading
-   use gyroakf_report_text_table, only : add_row, new_table, put_table, set_exact, set_exacts, &
-      table_type
+   use gyroakf_report_text_table, only : add_row, new_table, put_table, table_type
    use gyroakf_report_input, only : unit_name, time_unit
    implicit none (type, external)
    private
@@ -17,66 +16,55 @@ module gyroakf_report_text_noise
 
 contains
 
-   !> The deviation curve with its confidence limits, and the fitted model beside it.
-   subroutine put_curves_of(writer, record, allan, title, name)
+   !> The deviation curves with their confidence limits, and the fitted model beside the first.
+   subroutine put_curves_of(writer, record, allan, title)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> For the units
       type(record_type), intent(in) :: record
       !> Curve, and the fit where there is one
       type(allan_result_type), intent(in) :: allan
-      !> Which series, and its name in results.json
-      character(*), intent(in) :: title, name
+      !> Which series
+      character(*), intent(in) :: title
+      real(dp) :: none(0)
       integer :: i
 
       if (.not. allan%available) return
       if (allan%fitted) then
-         call put_curve(writer, record, allan%curve, title, "allan."//name//".", allan%noise%model)
+         call put_curve(writer, record, allan%curve, title, allan%noise%model)
       else
-         call put_curve(writer, record, allan%curve, title, "allan."//name//".")
+         call put_curve(writer, record, allan%curve, title, none)
       end if
       if (.not. allocated(allan%other)) return
       do i = 1, size(allan%other)
-         if (allocated(allan%other(i)%tau)) call put_curve(writer, record, allan%other(i), title, &
-                             "allan."//name//".other_kinds."//trim(allan%other(i)%kind)//".")
+         if (allocated(allan%other(i)%tau)) &
+            call put_curve(writer, record, allan%other(i), title, none)
       end do
    end subroutine put_curves_of
 
    !> One curve.
-   subroutine put_curve(writer, record, curve, title, key, model)
-      !> The report
+   subroutine put_curve(writer, record, curve, title, model)
       type(writer_type), intent(inout) :: writer
-      !> For the units
       type(record_type), intent(in) :: record
-      !> The curve
       type(allan_curve_type), intent(in) :: curve
-      !> Which series
       character(*), intent(in) :: title
-      !> Where results.json has it
-      character(*), intent(in) :: key
-      !> Fitted deviation
-      real(dp), intent(in), optional :: model(:)
+      !> Fitted deviation; of size 0 where there is none
+      real(dp), intent(in) :: model(:)
       type(table_type) :: table
-      character(9), parameter :: names(5) = [character(9) :: "tau_s", "deviation", "lower", &
-                                             "upper", "edf"]
       character(:), allocatable :: fitted
       integer :: i
 
       call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
-                       trim(merge(" times tau", "          ", curve%kind == "tdev"))//", tau in "// &
-                       time_unit(record)//", "// &
-                       number(100*curve%confidence, 4)//" % limits")
-      call new_table(table, size(curve%tau) + 1, merge(7, 6, present(model)), left=0)
+                       if_known(curve%kind == "tdev", " times tau")//", tau in "// &
+                       time_unit(record)//", "//number(100*curve%confidence, 4)//" % limits")
+      call new_table(table, size(curve%tau) + 1, merge(7, 6, size(model) > 0), left=0)
       call add_row(table, "tau", "deviation;lower;upper;edf;terms;model")
+      fitted = ""
       do i = 1, size(curve%tau)
-         fitted = ""
-         if (present(model)) fitted = if_known(model(i) > 0.0_dp, number(model(i), 4), "-")
+         if (size(model) > 0) fitted = if_known(model(i) > 0.0_dp, number(model(i), 4), "-")
          call add_row(table, number(curve%tau(i), 6), number(curve%deviation(i), 6)//";"// &
                       number(curve%lower(i), 4)//";"//number(curve%upper(i), 4)//";"// &
                       number(curve%edf(i), 4)//";"//count_text(curve%terms(i))//";"//fitted)
-         call set_exacts(table, 1, key, names, [curve%tau(i), curve%deviation(i), curve%lower(i), &
-                                                curve%upper(i), curve%edf(i)], "."// &
-                                                   count_text(int(i - 1, int64)))
       end do
       call put_table(writer, table)
    end subroutine put_curve
@@ -89,70 +77,54 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
-      character(11), parameter :: series(6) = [character(11) :: "raw", "no outliers", "cleaned", "KF", "AKF", "compensated"]
-      character(:), allocatable :: key
-      logical :: shown(size(series)), reduced
-      character(:), allocatable :: cells
+      character(11), parameter :: series(6) = [character(11) :: "raw", "no outliers", "cleaned", &
+                                               "KF", "AKF", "compensated"]
+      character(:), allocatable :: units, cells
       integer :: term, which
 
-      shown = channel%allan(:size(series))%available
-      shown(stage%cleaned) = channel%available%cleaned
-      reduced = any(channel%reduction_known .or. channel%reduction_at_least > 0.0_dp)
       call new_table(table, 2, 6, head=2)
       table%name = "coefficients"
       table%number = "III"
       table%caption = "Noise coefficients from the Allan deviation"
-      table%note = terms_text(record)//" +/-: one standard error; <: not detected, one-sided 95 % limit."
-      cells = ""
+      table%note = terms_text(record)//" +/-: one standard error; <: not detected, one-sided "// &
+         "95 % limit."
+      units = ""
       do term = 1, 5
-         cells = cells//broken(coefficient_unit_name(channel, term), "*/", 12)//";"
+         units = units//broken(coefficient_unit_name(channel, term))//";"
       end do
       call add_row(table, "", "Q;N;B;K;R")
-      call add_row(table, "", cells)
+      call add_row(table, "", units)
       do which = stage%input, stage%compensated
-         if (.not. shown(which)) cycle
+         if (.not. channel%allan(which)%available) cycle
+         if (which == stage%cleaned .and. .not. channel%available%cleaned) cycle
          cells = ""
          do term = 1, 5
             cells = cells//compared_text(channel%allan(which), term)//";"
          end do
          call add_row(table, trim(series(which)), cells)
-         do term = 1, 5
-            associate (allan => channel%allan(which), stated => channel%allan(which)%stated%term(term))
-               if (.not. (allan%fitted .and. stated%fitted)) cycle
-               key = "coefficients."//trim(stage_names(which))//"."//term_names(term)
-               if (stated%detected) call set_exact(table, table%filled, term + 1, key//".value", &
-                                                   stated%value)
-               if (.not. stated%detected) call set_exact(table, table%filled, term + 1, key// &
-                                                         ".upper_limit", &
-                                                         stated%upper_limit)
-            end associate
-         end do
       end do
-      if (channel%allan(stage%compensated)%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
-         count_text(int(channel%allan(stage%compensated)%noise%points, int64))//" octaves."
-      if (.not. reduced) return
+      associate (left => channel%allan(stage%compensated))
+         if (left%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
+            count_text(int(left%noise%points, int64))//" octaves."
+      end associate
+      if (.not. any(channel%reduction_known .or. channel%reduction_at_least > 0.0_dp)) return
       table%note = table%note//" reduction: from cleaned to AKF."
       cells = ""
       do term = 1, 5
          cells = cells//reduction_text(channel, term)//";"
       end do
       call add_row(table, "reduction", cells)
-      do term = 1, 5
-         if (channel%reduction_known(term)) call set_exact(table, table%filled, term + 1, &
-            "coefficients.reduction_percent."//term_names(term), channel%reduction_percent(term))
-      end do
    end subroutine make_comparison
 
-   !> A text in two lines where it is wide, the second one from the last of some signs on.
-   pure function broken(text, breaks, width) result(lines)
-      character(*), intent(in) :: text, breaks
-      integer, intent(in) :: width
+   !> A unit in two lines where it is wide, the second one from its last factor on.
+   pure function broken(text) result(lines)
+      character(*), intent(in) :: text
       character(:), allocatable :: lines
       integer :: i
 
       lines = text
-      if (len(text) <= width) return
-      i = scan(text, breaks, back=.true.)
+      if (len(text) <= 12) return
+      i = scan(text, "*/", back=.true.)
       if (i > 1) lines = text(:i - 1)//new_line("a")//text(i:)
    end function broken
 
@@ -166,7 +138,8 @@ contains
       associate (stated => allan%stated%term(term))
          if (allan%fitted .and. stated%state == "withheld") text = "withheld"
          if (.not. (allan%fitted .and. stated%fitted)) return
-         if (stated%detected) text = number(stated%value, 4)//new_line("a")//"+/- "//number(stated%std_error, 2)
+         if (stated%detected) text = number(stated%value, 4)//new_line("a")//"+/- "// &
+            number(stated%std_error, 2)
          if (.not. stated%detected) text = "< "//number(stated%upper_limit, 3)
       end associate
    end function compared_text

@@ -1,18 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> Tests, AR models and filters on the first screen: of several channels a row each, of a single one a row for each test or series.
+!> Tests, AR models and filters on the first screen: of several channels a row each, of a single one
+!> a row for each test or series.
 module gyroakf_report_text_overview
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_writer, only : put_line, writer_type
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage
+   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type, &
+      pipeline_result_type, stage
    use gyroakf_preprocess_clean, only : clean_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_document_tests, only : put_ar
-   use gyroakf_report_tables, only : bare, has_tests, kpss_p_text, make_ar_table, &
-      make_tests_table, upper_case
+   use gyroakf_report_input, only : unit_name
+   use gyroakf_report_tables, only : bare, full_name, has_filters, has_tests, kpss_p_text, &
+      make_ar_table, make_filter_table, make_tests_table
    use gyroakf_report_text_description, only : text_description_type
-   use gyroakf_report_text_filters, only : make_filter_table, put_rmse
-   use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, put_item, put_paragraph, rounded, &
-      scientific
+   use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, &
+      put_heading, put_item, put_paragraph, rounded, scientific
    use gyroakf_report_text_table, only : add_row, new_table, put_numbered, put_table, set_cell, &
       table_type
    use gyroakf_report_verdicts, only : verdict_text, whiteness_word
@@ -33,6 +35,7 @@ contains
       !> What came out
       type(pipeline_result_type), intent(in) :: result
       type(record_type) :: view
+      type(table_type) :: table
 
       if (size(result%channel) == 1) then
          call view_channel(record, 1, view)
@@ -40,11 +43,23 @@ contains
          return
       end if
       select case (command)
-      case ("tests"); call put_tests(writer, result%channel)
-      case ("ar"); call put_models(writer, result%channel)
-      case default; call put_filters(writer, result%channel)
+      case ("tests"); call make_tests(result%channel, table)
+      case ("ar"); call make_models(result%channel, table)
+      case default; call make_filters(result%channel, table)
       end select
+      call put_below(writer, table, table%note)
    end subroutine put_overview
+
+   !> A table below an empty line, and what it means.
+   subroutine put_below(writer, table, note)
+      type(writer_type), intent(inout) :: writer
+      type(table_type), intent(in) :: table
+      character(*), intent(in) :: note
+
+      call put_line(writer, "")
+      call put_table(writer, table)
+      if (note /= "") call put_paragraph(writer, note, 2)
+   end subroutine put_below
 
    !> A single channel.
    subroutine put_one(writer, command, record, channel)
@@ -60,9 +75,7 @@ contains
          call put_verdict(writer, channel)
          if (.not. has_tests(channel)) return
          call make_tests_table(channel, table)
-         call put_line(writer, "")
-         call put_table(writer, table)
-         call put_paragraph(writer, table%caption//". "//table%note, 2)
+         call put_below(writer, table, table%caption//". "//table%note)
       case ("ar")
          if (.not. channel%available%ar) return
          call make_ar_table(record, channel, table)
@@ -70,9 +83,12 @@ contains
          call out%attach(writer)
          call put_ar(out, channel)
       case default
-         if (channel%available%preprocess) call put_item(writer, "Cleaned", cleaning_text(channel%clean))
-         if (channel%available%ar) call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", model_text(channel))
-         call put_series(writer, record, channel)
+         if (channel%available%preprocess) &
+            call put_item(writer, "Cleaned", cleaning_text(channel%clean))
+         if (channel%available%ar) &
+            call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", &
+                          model_text(channel))
+         if (has_filters(channel)) call put_series(writer, record, channel)
          call put_rmse(writer, record, channel)
       end select
    end subroutine put_one
@@ -97,15 +113,15 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      associate (ar => channel%ar)
-         text = ""
+      text = ""
+      associate (ar => channel%ar, test => channel%ar%residual_ljung_box)
          do i = 1, ar%order
-            text = text//"phi_"//count_text(int(i, int64))//" = "//rounded(ar%coefficient(i), ar%std_error(i))//", "
+            text = text//if_known(i > 1, ", ")//"phi_"//count_text(int(i, int64))//" = "// &
+               rounded(ar%coefficient(i), ar%std_error(i))
          end do
-         if (ar%order > 0) text = text(:len(text) - 2)//" "
-         text = text//"by "//upper_case(trim(ar%criterion))//" up to order "// &
-                count_text(int(ar%table(size(ar%table))%order, int64))
-         if (ar%residual_ljung_box%lags > 0) text = text//"; residuals "//trim(whiteness_word(ar%residual_ljung_box))
+         text = text//if_known(ar%order > 0, " ")//"by "//full_name(ar%criterion)// &
+            " up to order "//count_text(int(ar%table(ubound(ar%table, 1))%order, int64))// &
+            if_known(test%lags > 0, "; residuals "//trim(whiteness_word(test)))
       end associate
    end function model_text
 
@@ -113,152 +129,169 @@ contains
    pure function cleaning_text(clean) result(text)
       type(clean_type), intent(in) :: clean
       character(:), allocatable :: text
+      character(13), parameter :: names(0:3) = [character(13) :: "constant", "straight line", &
+                                                "parabola", "cubic"]
 
       text = "no outliers looked for"
-      if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("//percent(clean%fraction)//") beyond "// &
-         number(clean%threshold, 4)//" sigma ("//trim(clean%method)//")"
-      if (clean%trend%degree >= 0) text = text//"; "//degree_name(clean%trend%degree)//" trend"
+      if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("// &
+         percent(clean%fraction)//") beyond "//number(clean%threshold, 4)//" sigma ("// &
+         trim(clean%method)//")"
+      associate (degree => clean%trend%degree)
+         if (degree > 3) then
+            text = text//"; polynomial of degree "//count_text(int(degree, int64))//" trend"
+         else if (degree >= 0) then
+            text = text//"; "//trim(names(degree))//" trend"
+         end if
+      end associate
    end function cleaning_text
-
-   !> The trend in words.
-   pure function degree_name(degree) result(name)
-      integer, intent(in) :: degree
-      character(:), allocatable :: name
-
-      select case (degree)
-      case (0); name = "constant"
-      case (1); name = "straight line"
-      case (2); name = "parabola"
-      case (3); name = "cubic"
-      case default; name = "polynomial of degree "//count_text(int(degree, int64))
-      end select
-   end function degree_name
 
    !> Before and after: the series and the filters of one channel.
    subroutine put_series(writer, record, channel)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel
-      character(11), parameter :: shown(7) = [character(11) :: "raw", "cleaned", "KF (paper)", "AKF (paper)", &
-                                              "drift KF", "drift AKF", "smoother"]
-      integer, parameter :: stages(4) = [stage%input, stage%cleaned, stage%kf, stage%akf], n = 4
+      character(11), parameter :: shown(7) = [character(11) :: "raw", "cleaned", "KF (paper)", &
+                                              "AKF (paper)", "drift KF", "drift AKF", "smoother"]
+      integer, parameter :: stages(4) = [stage%input, stage%cleaned, stage%kf, stage%akf]
       type(table_type) :: full, table
       character(:), allocatable :: coefficient
       integer :: i, j
 
-      associate (is => channel%available)
-         if (.not. (is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf)) return
-      end associate
       call make_filter_table(record, channel, full)
       call new_table(table, full%head, 6, head=full%head)
       do i = 1, size(full%cell, 1)
          if (i > full%head .and. .not. any(shown == full%cell(i, 1)%text)) cycle
-         coefficient = ""
+         coefficient = if_known(i == 1, "N")
          do j = 1, size(stages)
             if (i <= full%head .or. shown(j) /= full%cell(i, 1)%text) cycle
             associate (term => channel%allan(stages(j))%stated%term(2))
                if (.not. term%detected) cycle
                coefficient = number(term%value, 3)
-               if (full%head > 1) call set_cell(table, 2, n, term%unit)
+               if (full%head > 1) call set_cell(table, 2, 4, term%unit)
             end associate
          end do
          associate (cell => full%cell(i, :))
             call add_row(table, cell(1)%text, cell(3)%text//";"//cell(4)%text//";"//coefficient// &
-                         ";"// &
-                         cell(6)%text//";"//cell(9)%text)
+                         ";"//cell(6)%text//";"//if_known(i > 1, cell(9)%text, "innovations"))
          end associate
       end do
-      call set_cell(table, 1, n, "N")
-      call set_cell(table, 1, 6, "innovations")
-      call put_line(writer, "")
-      call put_table(writer, table)
+      call put_below(writer, table, "")
    end subroutine put_series
 
-   !> The filters of several channels.
-   subroutine put_filters(writer, channel)
+   !> RMSE of every filter against the true drift; nothing where that is not known.
+   subroutine put_rmse(writer, record, channel)
       type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel(:)
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel
+      character(11), parameter :: name(5) = [character(11) :: "KF (paper)", "AKF (paper)", &
+                                             "drift KF", "drift AKF", "smoother"]
+      type(filter_figures_type) :: figures(5)
       type(table_type) :: table
+      integer :: i
+
+      figures = [channel%kf_figures, channel%akf_figures, channel%drift_kf_figures, &
+                 channel%drift_akf_figures, channel%drift_smoother_figures]
+      if (all(figures%rmse_samples == 0)) return
+      call put_heading(writer, "Against the true drift")
+      call new_table(table, 1, 2)
+      call add_row(table, "", "RMSE")
+      do i = 1, size(figures)
+         if (figures(i)%rmse_samples > 0) &
+            call add_row(table, trim(name(i)), number(figures(i)%rmse, 4))
+      end do
+      call put_table(writer, table)
+      call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
+                    count_text(maxval(figures%rmse_samples))//" samples")
+   end subroutine put_rmse
+
+   !> The filters of several channels.
+   subroutine make_filters(channel, table)
+      type(channel_result_type), intent(in) :: channel(:)
+      type(table_type), intent(out) :: table
       integer :: c
 
       call new_table(table, 2, 9, head=2)
       call add_row(table, "", "outliers;AR;KF;;AKF;;drift KF;smoother")
       call add_row(table, "", ";order;share;passes;share;passes;share;share")
+      table%note = "share: variance of the output over that of the input. passes: share of a "// &
+         "constant rotation"
       do c = 1, size(channel)
          associate (one => channel(c), is => channel(c)%available)
-            call add_row(table, one%name, if_known(is%preprocess, count_text(one%clean%removed))//";"// &
+            call add_row(table, one%name, &
+                         if_known(is%preprocess, count_text(one%clean%removed))//";"// &
                          if_known(is%ar, count_text(int(one%ar%order, int64)))//";"// &
-                         if_known(is%kf, percent(one%kf_figures%variance_ratio))//";"// &
-                         if_known(is%kf, percent(one%kf%dc_gain))//";"// &
-                         if_known(is%akf, percent(one%akf_figures%variance_ratio))//";"// &
-                         if_known(is%akf, percent(one%akf%dc_gain))//";"// &
-                         if_known(is%drift_kf, percent(one%drift_kf_figures%variance_ratio), "-")//";"// &
-                         if_known(is%drift_smoother, percent(one%drift_smoother_figures%variance_ratio), "-"))
+                         if_known(is%kf, percent(one%kf_figures%variance_ratio)//";"// &
+                                  percent(one%kf%dc_gain), ";")//";"// &
+                         if_known(is%akf, percent(one%akf_figures%variance_ratio)//";"// &
+                                  percent(one%akf%dc_gain), ";")//";"// &
+                         share(is%drift_kf, one%drift_kf_figures)//";"// &
+                         share(is%drift_smoother, one%drift_smoother_figures))
          end associate
       end do
-      call put_line(writer, "")
-      call put_table(writer, table)
-      call put_paragraph(writer, "share: variance of the output over that of the input. passes: share of a constant rotation", 2)
-   end subroutine put_filters
+   end subroutine make_filters
+
+   !> The share of the variance that a filter gives out.
+   pure function share(known, figures) result(text)
+      logical, intent(in) :: known
+      type(filter_figures_type), intent(in) :: figures
+      character(:), allocatable :: text
+
+      text = if_known(known, percent(figures%variance_ratio), "-")
+   end function share
 
    !> The AR models of several channels.
-   subroutine put_models(writer, channel)
-      type(writer_type), intent(inout) :: writer
+   subroutine make_models(channel, table)
       type(channel_result_type), intent(in) :: channel(:)
-      type(table_type) :: table
+      type(table_type), intent(out) :: table
       character(:), allocatable :: cells
       integer :: c, i
 
       call new_table(table, 1, 9)
       call add_row(table, "", "order;phi_1;phi_2;phi_3;variance;predicts;|rho|;residuals")
+      table%note = "order: by "//full_name(channel(1)%ar%criterion)//". variance: of the "// &
+         "residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
+         "autocorrelation of the residuals"
       do c = 1, size(channel)
-         if (.not. channel(c)%available%ar) then
-            call add_row(table, channel(c)%name, "")
-            cycle
-         end if
+         cells = ""
          associate (ar => channel(c)%ar, test => channel(c)%ar%residual_ljung_box)
-            cells = count_text(int(ar%order, int64))//";"
-            do i = 1, 3
-               if (i <= ar%order) cells = cells//number(ar%coefficient(i), 4)
-               cells = cells//";"
-            end do
-            cells = cells//scientific(ar%noise_variance, 4)//";"// &
-               number(channel(c)%predictable_percent, 3)//" %;"// &
-               number(test%largest_rho, 2)//";"
-            call add_row(table, channel(c)%name, cells//if_known(test%lags > 0, trim(whiteness_word(test))))
+            if (channel(c)%available%ar) then
+               cells = count_text(int(ar%order, int64))//";"
+               do i = 1, 3
+                  if (i <= ar%order) cells = cells//number(ar%coefficient(i), 4)
+                  cells = cells//";"
+               end do
+               cells = cells//scientific(ar%noise_variance, 4)//";"// &
+                  number(channel(c)%predictable_percent, 3)//" %;"// &
+                  number(test%largest_rho, 2)//";"// &
+                  if_known(test%lags > 0, trim(whiteness_word(test)))
+            end if
          end associate
+         call add_row(table, channel(c)%name, cells)
       end do
-      call put_line(writer, "")
-      call put_table(writer, table)
-      call put_paragraph(writer, "order: by "//upper_case(trim(channel(1)%ar%criterion))//". variance: of the residuals. "// &
-                         "predicts: share of the variance one sample ahead. |rho|: largest autocorrelation of the residuals", 2)
-   end subroutine put_models
+   end subroutine make_models
 
    !> The tests of several channels.
-   subroutine put_tests(writer, channel)
-      type(writer_type), intent(inout) :: writer
+   subroutine make_tests(channel, table)
       type(channel_result_type), intent(in) :: channel(:)
-      type(table_type) :: table
+      type(table_type), intent(out) :: table
       integer :: c
 
       call new_table(table, 2, 8, head=2)
       call add_row(table, "", "unit root;level;normal;excess;white;largest;noise")
       call add_row(table, "", "ADF;KPSS;Jarque-Bera;kurtosis;Ljung-Box;|rho|")
+      table%note = "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is "// &
+         "rejected where they are small"
       do c = 1, size(channel)
          associate (one => channel(c), is => channel(c)%available)
             call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value))//";"// &
                          if_known(is%kpss, kpss_p_text(one))//";"// &
-                         if_known(is%jarque_bera, bare(one%jarque_bera%p_value))//";"// &
-                         if_known(is%jarque_bera, number(one%jarque_bera%kurtosis - 3, 2))//";"// &
-                         if_known(is%ljung_box, bare(one%ljung_box%p_value))//";"// &
-                         if_known(is%ljung_box, number(one%ljung_box%largest_rho, 2))//";"// &
+                         if_known(is%jarque_bera, bare(one%jarque_bera%p_value)//";"// &
+                                  number(one%jarque_bera%kurtosis - 3, 2), ";")//";"// &
+                         if_known(is%ljung_box, bare(one%ljung_box%p_value)//";"// &
+                                  number(one%ljung_box%largest_rho, 2), ";")//";"// &
                          if_known(one%verdict%wanted, trim(verdict_text(one))))
          end associate
       end do
-      call put_line(writer, "")
-      call put_table(writer, table)
-      call put_paragraph(writer, "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is rejected "// &
-                         "where they are small", 2)
-   end subroutine put_tests
+   end subroutine make_tests
 
 end module gyroakf_report_text_overview

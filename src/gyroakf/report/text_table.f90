@@ -1,28 +1,32 @@
 ! SPDX-License-Identifier: MIT
-!> A table: one description, from which the report of a terminal ([[put_table]]), LaTeX and HTML are made.
+!> A table: one description, from which the report of a terminal ([[put_table]]), LaTeX and HTML
+!> are made.
 module gyroakf_report_text_table
-   use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_report_html_table, only : exact_type, html_table
-   use gyroakf_report_text_layout, only : pad_left, pad_right, put_heading, put_paragraph, report_width
+   use gyroakf_report_html_markup, only : html_table
+   use gyroakf_report_text_layout, only : pad_left, pad_right, put_heading, put_paragraph, &
+      report_width
    use gyroakf_report_sign, only : to_unicode
    use gyroakf_utf8, only : is_continuation, text_width
    implicit none (type, external)
    private
-   public :: table_type, new_table, add_row, set_cell, set_exact, set_exacts, put_table, &
-      put_numbered, cell_lines, cell_line, column_widths
+   public :: table_type, new_table, add_row, set_cell, put_table, put_numbered, cell_lines, &
+      cell_line, column_widths
 
-   !> Rows and columns of text with what a paper prints about them. Read freely, filled by the subroutines below.
+   !> Rows and columns of text with what a paper prints about them. Read freely, filled by the
+   !> subroutines below.
    type :: table_type
-      !> [rows, columns] the head's rows first; a line feed in a cell begins a second line, as that of an uncertainty. The texts are
-      !> ASCII with the names of signs ([[gyroakf_report_sign]]), names that a user gave are UTF-8
+      !> [rows, columns] the head's rows first; a line feed in a cell begins a second line, as that
+      !> of an uncertainty. The texts are ASCII with the names of signs ([[gyroakf_report_sign]]),
+      !> names that a user gave are UTF-8
       type(text_type), allocatable :: cell(:, :)
       !> Rows of the head: the first one names the columns, a second one has their units
       integer :: head = 1
       !> Columns that are text, to the left; the others are numbers, to the right
       integer :: left = 1
-      !> A word that no other table of a channel has; "" where the table stands in the report of a terminal alone
+      !> A word that no other table of a channel has; "" where the table stands in the report of a
+      !> terminal alone
       character(:), allocatable :: name
       !> "I", "II", "III" as in the paper, or ""
       character(:), allocatable :: number
@@ -30,8 +34,6 @@ module gyroakf_report_text_table
       character(:), allocatable :: caption
       !> What its columns mean, in whole sentences, or ""
       character(:), allocatable :: note
-      !> The numbers behind the cells, as far as set by [[set_exact]]: [rows, columns]
-      type(exact_type), allocatable :: exact(:, :)
       !> The row that was added last
       integer :: filled = 0
    end type table_type
@@ -53,7 +55,7 @@ contains
       integer, intent(in), optional :: head, left
       integer :: i, j
 
-      allocate (table%cell(rows, columns), table%exact(rows, columns))
+      allocate (table%cell(rows, columns))
       do j = 1, columns
          do i = 1, rows
             table%cell(i, j)%text = ""
@@ -94,9 +96,7 @@ contains
       if (n == size(table%cell, 1)) then
          call new_table(longer, n + 1, size(table%cell, 2))
          longer%cell(:n, :) = table%cell
-         longer%exact(:n, :) = table%exact
          call move_alloc(longer%cell, table%cell)
-         call move_alloc(longer%exact, table%exact)
       end if
       table%filled = n + 1
       table%cell(n + 1, 1)%text = name
@@ -107,42 +107,6 @@ contains
          first = first + length + 1
       end do
    end subroutine add_row
-
-   !> Sets the number behind a cell: a page has it in full, with its place in results.json.
-   pure subroutine set_exact(table, row, column, key, value)
-      !> The table
-      type(table_type), intent(inout) :: table
-      !> From 1
-      integer, intent(in) :: row, column
-      !> From the channel on: "allan.input.tau_s.0"
-      character(*), intent(in) :: key
-      !> Any
-      real(dp), intent(in) :: value
-
-      table%exact(row, column)%key = key
-      table%exact(row, column)%value = value
-   end subroutine set_exact
-
-   !> Sets the numbers behind neighboring cells of the row that was added last.
-   pure subroutine set_exacts(table, column, prefix, names, values, suffix)
-      !> The table
-      type(table_type), intent(inout) :: table
-      !> The first one
-      integer, intent(in) :: column
-      !> Their keys: a prefix, a name of each, and what is behind it
-      character(*), intent(in) :: prefix, names(:)
-      !> Any
-      real(dp), intent(in) :: values(:)
-      character(*), intent(in), optional :: suffix
-      character(:), allocatable :: key
-      integer :: i
-
-      do i = 1, size(values)
-         key = prefix//trim(names(i))
-         if (present(suffix)) key = key//suffix
-         call set_exact(table, table%filled, column + i - 1, key, values(i))
-      end do
-   end subroutine set_exacts
 
    !> Lines of a cell.
    pure integer function cell_lines(text)
@@ -176,8 +140,9 @@ contains
       if (i > 0) line = line(:i - 1)
    end function cell_line
 
-   !> Writes the table: columns as wide as they need to be, two blanks between them, or one where it would else be too wide. What
-   !> is still wider than a line goes on below, the columns of text repeated.
+   !> Writes the table: columns as wide as they need to be, two blanks between them, or one where it
+   !> would else be too wide. What is still wider than a line goes on below, the columns of text
+   !> repeated.
    subroutine put_table(writer, table, verbatim)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -187,34 +152,53 @@ contains
       logical, intent(in), optional :: verbatim
       type(table_type) :: shown
       integer, allocatable :: width(:)
-      integer :: gap, first, last
+      integer :: gap, first, last, i, j
 
       shown = table
-      if (writer%unicode .and. .not. present(verbatim)) call use_signs(shown)
+      if (writer%unicode .and. .not. present(verbatim)) then
+         do j = 1, size(shown%cell, 2)
+            do i = 1, size(shown%cell, 1)
+               shown%cell(i, j)%text = to_unicode(table%cell(i, j)%text)
+            end do
+         end do
+      end if
       if (writer%markup%on) then
-         call html_table(writer, shown%cell, shown%exact, shown%head, shown%left)
+         call html_table(writer, shown%cell, shown%head, shown%left)
          return
       end if
       call column_widths(shown, width)
-      if (2 + sum(width) + size(width) - 1 > report_width) then
+      if (total(1, size(width), 1) > report_width) then
          call shorten(shown)
          call column_widths(shown, width)
       end if
-      gap = 1
-      if (2 + sum(width) + 2*(size(width) - 1) <= report_width) gap = 2
-      if (2 + sum(width) + size(width) - 1 > report_width) gap = 2
-      first = shown%left + 1
+      gap = 2
+      if (total(1, size(width), 2) > report_width .and. &
+          total(1, size(width), 1) <= report_width) gap = 1
+      last = shown%left
       do
+         first = last + 1
          last = size(width)
-         do while (last > first)
-            if (2 + sum(width(:shown%left)) + sum(width(first:last)) + gap*(shown%left + last - first) <= report_width) exit
+         do while (last > first .and. total(first, last, gap) > report_width)
             last = last - 1
          end do
          call put_columns(writer, shown, width, gap, first, last)
          if (last >= size(width)) return
          call put_line(writer, "")
-         first = last + 1
       end do
+
+   contains
+
+      !> Characters of a line: the columns of text, and some of the others.
+      integer function total(first, last, gap)
+         integer, intent(in) :: first, last, gap
+         integer :: j
+
+         total = 2 - gap
+         do j = 1, last
+            if (j <= shown%left .or. j >= first) total = total + width(j) + gap
+         end do
+      end function total
+
    end subroutine put_table
 
    !> Writes the table below its number and caption, and the note under it.
@@ -229,18 +213,6 @@ contains
       call put_table(writer, table)
       if (len(table%note) > 0) call put_paragraph(writer, table%note, 2)
    end subroutine put_numbered
-
-   !> The cells with the signs of UTF-8.
-   pure subroutine use_signs(table)
-      type(table_type), intent(inout) :: table
-      integer :: i, j
-
-      do j = 1, size(table%cell, 2)
-         do i = 1, size(table%cell, 1)
-            table%cell(i, j)%text = to_unicode(table%cell(i, j)%text)
-         end do
-      end do
-   end subroutine use_signs
 
    !> Characters of every column.
    pure subroutine column_widths(table, width)
@@ -264,30 +236,22 @@ contains
    !> The columns of text without what is too long.
    pure subroutine shorten(table)
       type(table_type), intent(inout) :: table
-      integer :: i, j
+      integer :: i, j, last, characters
 
       do j = 1, table%left
          do i = 1, size(table%cell, 1)
-            if (cell_lines(table%cell(i, j)%text) == 1) table%cell(i, j)%text = shortened(table%cell(i, j)%text)
+            associate (text => table%cell(i, j)%text)
+               if (text_width(text) <= widest_text .or. cell_lines(text) > 1) cycle
+               characters = 0
+               do last = 1, len(text)
+                  if (.not. is_continuation(text(last:last))) characters = characters + 1
+                  if (characters > widest_text - 3) exit
+               end do
+            end associate
+            table%cell(i, j)%text = table%cell(i, j)%text(:last - 1)//"..."
          end do
       end do
    end subroutine shorten
-
-   !> A text without its end where it is too long.
-   pure function shortened(text) result(beginning)
-      character(*), intent(in) :: text
-      character(:), allocatable :: beginning
-      integer :: i, characters
-
-      beginning = text
-      if (text_width(text) <= widest_text) return
-      characters = 0
-      do i = 1, len(text)
-         if (.not. is_continuation(text(i:i))) characters = characters + 1
-         if (characters > widest_text - 3) exit
-      end do
-      beginning = text(:i - 1)//"..."
-   end function shortened
 
    !> The columns of text, and some of the others.
    subroutine put_columns(writer, table, width, gap, first, last)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Verdicts in words: whether a channel drifts, and what its tests and its fit say. Texts are of one length and padded: gfortran
-!> keeps others in static memory, which threads share.
+!> Verdicts in words: whether a channel drifts, and what its tests and its fit say. Texts are of one
+!> length and padded: gfortran keeps others in static memory, which threads share.
 module gyroakf_report_verdicts
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_deviations, only : allan_curve_type
@@ -10,7 +10,7 @@ module gyroakf_report_verdicts
    use gyroakf_stats_whiteness, only : ljung_box_type
    implicit none (type, external)
    private
-   public :: remark_length, verdict_text, level, rejection_text, whiteness_word, whiteness_text, normality_text
+   public :: verdict_text, level, rejection_text, whiteness_word, whiteness_text, normality_text
    public :: correlation_caution, periodicity_text, drift_source_text, slopes_text
 
    !> Tests reject at this significance
@@ -35,7 +35,8 @@ contains
          case ("colored"); text = "stationary, colored"
          case ("random_walk"); text = "drifts: random walk"
          case ("trend"); text = "drifts: "//trim(verdict%trend%shape)
-         case ("trend_and_random_walk"); text = "drifts: "//trim(verdict%trend%shape)//" and random walk"
+         case ("trend_and_random_walk")
+            text = "drifts: "//trim(verdict%trend%shape)//" and random walk"
          case ("random_walk_or_trend"); text = "drifts: random walk or ramp"
          case ("unit_root"); text = "drifts: unit root not rejected"
          case default; text = "not described"
@@ -77,7 +78,8 @@ contains
 
       select case (whiteness_word(test))
       case ("white"); text = "white"
-      case ("nearly"); text = "nearly white, a small correlation is seen because the record is long"
+      case ("nearly")
+         text = "nearly white, a small correlation is seen because the record is long"
       case default; text = "not white"
       end select
    end function whiteness_text
@@ -90,7 +92,8 @@ contains
 
       select case (channel%normality)
       case ("normal"); text = "normality not rejected"
-      case ("nearly"); text = "nearly normal, a small departure is seen because the record is long"
+      case ("nearly")
+         text = "nearly normal, a small departure is seen because the record is long"
       case ("undecided"); text = "too few samples to tell"
       case default; text = "not normal"
       end select
@@ -104,7 +107,8 @@ contains
 
       text = ""
       if (.not. channel%available%ljung_box) return
-      if (whiteness_word(channel%ljung_box) == "colored") text = "the samples are correlated: the p-value is too small"
+      if (whiteness_word(channel%ljung_box) == "colored") &
+         text = "the samples are correlated: the p-value is too small"
    end function correlation_caution
 
    !> What Fisher's test says.
@@ -133,14 +137,15 @@ contains
 
       associate (drift => channel%drift)
          if (drift%samples < drift%of_samples) then
-            write (text, "(2(a, i0), a)") "maximum likelihood from the middle ", drift%samples, " of ", &
-               drift%of_samples, " samples"
+            write (text, "(2(a, i0), a)") "maximum likelihood from the middle ", &
+               drift%samples, " of ", drift%of_samples, " samples"
          else
             write (text, "(a, i0, a)") "maximum likelihood from ", drift%samples, " samples"
          end if
          if (drift%block > 1) write (text(len_trim(text) + 1:), "(a, i0, a)") &
             ", the slowest processes from means of ", drift%block, " samples over the whole record"
-         if (.not. drift%errors_known .and. drift%model%count > 0) text = trim(text)//"; standard errors are not known"
+         if (.not. drift%errors_known .and. drift%model%count > 0) &
+            text = trim(text)//"; standard errors are not known"
       end associate
    end function drift_source_text
 
@@ -156,11 +161,14 @@ contains
       i = 1
       do k = 2, size(curve%tau)
          if (curve%tau(k) < 7.9_dp*curve%tau(i)) cycle
-         write (slope, "(sp, f5.2)") log(curve%deviation(k)/curve%deviation(i))/log(curve%tau(k)/curve%tau(i))
-         text = trim(text)//" "//slope//" from tau = "//format_real(curve%tau(i), 3)//" to "//format_real(curve%tau(k), 3)//","
+         write (slope, "(sp, f5.2)") &
+            log(curve%deviation(k)/curve%deviation(i))/log(curve%tau(k)/curve%tau(i))
+         text = trim(text)//" "//slope//" from tau = "//format_real(curve%tau(i), 3)//" to "// &
+            format_real(curve%tau(k), 3)//","
          i = k
       end do
-      text = trim(text)//" where -1 is quantization, -1/2 white noise, 0 bias instability, +1/2 random walk"
+      text = trim(text)//" where -1 is quantization, -1/2 white noise, 0 bias instability, "// &
+         "+1/2 random walk"
    end function slopes_text
 
 end module gyroakf_report_verdicts

@@ -1,49 +1,24 @@
 ! SPDX-License-Identifier: MIT
-!> The first screen of a command: what was read, the results of all channels, a chart, and what can make a number wrong.
-module gyroakf_report_text_screen
+!> The Allan deviations of a result, drawn in characters.
+module gyroakf_report_text_chart
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : put_line, writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, stage
    use gyroakf_record, only : record_type, text_type, view_channel
    use gyroakf_report_chart, only : draw_chart
    use gyroakf_report_figure_allan, only : alike_channels
-   use gyroakf_report_input, only : put_source, unit_name, time_unit
-   use gyroakf_report_remarks, only : put_remarks
-   use gyroakf_report_text_answer, only : put_answer
-   use gyroakf_report_text_layout, only : put_heading, put_item
-   use gyroakf_report_text_overview, only : put_overview
+   use gyroakf_report_input, only : unit_name, time_unit
+   use gyroakf_report_text_layout, only : put_heading
    implicit none (type, external)
    private
-   public :: put_screen, put_chart
+   public :: put_chart
 
-   !> Rows of the chart, and maximum number of notes
-   integer, parameter :: chart_rows = 9, most_notes = 3
+   integer, parameter :: chart_rows = 9
 
 contains
 
-   !> One screen; [[write_report]] has everything else with `details`.
-   subroutine put_screen(writer, command, record, result, chart)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> run, allan, tests, ar or filter
-      character(*), intent(in) :: command
-      !> What was read
-      type(record_type), intent(in) :: record
-      !> What came out
-      type(pipeline_result_type), intent(in) :: result
-      !> Draw the Allan deviations in characters
-      logical, intent(in) :: chart
-
-      call put_source(writer, record)
-      if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
-      if (command /= "allan") call put_overview(writer, command, record, result)
-      if (chart) call put_chart(writer, record, result)
-      call put_line(writer, "")
-      call put_remarks(writer, command, record, result, most_notes)
-      call put_item(writer, "More", "--details; --out DIR (page, figures, CSV); --json FILE")
-   end subroutine put_screen
-
-   !> The Allan deviation of a single channel with its limits and the fit; of several those that have the unit of the first.
+   !> The Allan deviation of a single channel with its limits and the fit; of several those that
+   !> have the unit of the first.
    subroutine put_chart(writer, record, result)
       !> The report
       type(writer_type), intent(inout) :: writer
@@ -63,12 +38,13 @@ contains
          call draw_overlay(writer, record, result, lines, legend)
       else if (result%channel(1)%allan(stage%input)%available) then
          legend = "o measured, | limits"
-         associate (allan => result%channel(1)%allan(stage%input), curve => result%channel(1)%allan(stage%input)%curve)
+         associate (allan => result%channel(1)%allan(stage%input), &
+                    curve => result%channel(1)%allan(stage%input)%curve)
             model = 0*curve%tau
             if (allan%fitted) model = allan%noise%model
             if (allan%fitted) legend = legend//", . fitted"
-            call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, lines, model, &
-                            chart_rows)
+            call draw_chart(curve%tau, curve%deviation, curve%lower, curve%upper, writer%unicode, &
+                            lines, model, chart_rows)
          end associate
       end if
       if (size(lines) == 0) return
@@ -107,7 +83,8 @@ contains
          end associate
       end do
       legend = legend(min(3, len(legend) + 1):)
-      call draw_chart(tau, deviation, deviation, deviation, writer%unicode, lines, rows=chart_rows, mark=mark)
+      call draw_chart(tau, deviation, deviation, deviation, writer%unicode, lines, &
+                      rows=chart_rows, mark=mark)
    end subroutine draw_overlay
 
    !> The last letter of a channel's name, where these differ; else a, b, c, ...
@@ -130,10 +107,11 @@ contains
          if (i == c) mark_of = last(n:n)
       end do
       do i = 1, n
-         if (iachar(last(i:i)) > iachar(" ") .and. iachar(last(i:i)) < 127 .and. index(last(:n), last(i:i)) == i) cycle
+         if (iachar(last(i:i)) > iachar(" ") .and. iachar(last(i:i)) < 127 .and. &
+             index(last(:n), last(i:i)) == i) cycle
          mark_of = achar(iachar("a") + modulo(count(drawn(:c)) - 1, 26))
          return
       end do
    end function mark_of
 
-end module gyroakf_report_text_screen
+end module gyroakf_report_text_chart
