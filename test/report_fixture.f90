@@ -82,6 +82,7 @@ contains
       read%minimum_tau = 100
       result%duration = 12*record%sample_interval
       allocate (result%channel(1))
+      allocate (result%channel(1)%allan(6))
       associate (channel => result%channel(1))
          channel%name = "gx"
          call fill_series(channel)

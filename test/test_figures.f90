@@ -302,6 +302,7 @@ contains
       integer, parameter :: n = 100000
 
       allocate (record%value(n, 1), record%present(n, 1), result%channel(1))
+      allocate (result%channel(1)%allan(6))
       record%value = 0.5_dp
       record%value(77777, 1) = 8.0_dp
       record%value(500:999, 1) = -9.0_dp

@@ -271,6 +271,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(channel_result_type) :: channel
 
+      allocate (channel%allan(6))
       channel%allan%fitted = .true.
       channel%allan(stage%cleaned)%stated%term%detected = .true.
       channel%allan(stage%cleaned)%stated%term%value = 10

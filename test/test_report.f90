@@ -496,6 +496,7 @@ contains
 
       call make_record(record, .false.)
       allocate (result%channel(1))
+      allocate (result%channel(1)%allan(6))
       result%channel(1)%name = "gx"
       call check_document(error, record, result)
    end subroutine test_document_empty

@@ -13,7 +13,7 @@ module gyroakf_pipeline
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, channel_result_type, available_type, &
+   use gyroakf_pipeline_result, only : new_channels, pipeline_options, pipeline_result_type, channel_result_type, available_type, &
       allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, &
       drift_process_type, stage, stage_names
    use gyroakf_pipeline_channel, only : run_channel
@@ -138,7 +138,7 @@ contains
       if (allocated(error)) return
       result%duration = real(size(record%value, 1, kind=int64), dp)*record%sample_interval
       channels = size(record%value, 2)
-      allocate (result%channel(channels), stat=stat)
+      call new_channels(result, channels, stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the results of the channels")
          return

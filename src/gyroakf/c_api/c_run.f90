@@ -10,7 +10,7 @@ module gyroakf_c_api_c_run
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_document, only : put_document
-   use gyroakf_report_json, only : json_type, json_text
+   use gyroakf_report_json, only : json_type, take_c_text
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, &
       & paper_seed
    use gyroakf_c_api_c_host, only : progress_c, callback_type
@@ -118,7 +118,8 @@ contains
       if (allocated(error)) return
       if (allocated(record)) call put_document(document, record, result)
       if (.not. allocated(record)) call put_document(document, given, result)
-      json = json_text(document)//c_null_char
+      call take_c_text(document, json)
+      if (document%failed) call fatal_error(error, status%no_memory, "no memory for the text of the results")
    end subroutine run_record
 
    !> `gyroakf_result_json`

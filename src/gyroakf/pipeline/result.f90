@@ -29,7 +29,7 @@ module gyroakf_pipeline_result
    use gyroakf_allan_trend_test, only : record_trend_type
    implicit none (type, external)
    private
-   public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
+   public :: new_channels, pipeline_options, pipeline_result_type, channel_result_type, available_type
    public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
    public :: drift_process_type, verdict_type, stage, stage_names, not_described
 
@@ -300,7 +300,7 @@ module gyroakf_pipeline_result
       !> 1 where it is known, 0 where it is not: [n]; unallocated: known everywhere
       integer(int8), allocatable :: true_drift_present(:)
       !> By [[gyroakf_pipeline_result:stage]]
-      type(allan_result_type) :: allan(6)
+      type(allan_result_type), allocatable :: allan(:)
       !> Whether the curve of the record as read changed from its first to its second half
       type(halves_type) :: halves
       !> From cleaned to akf, Q N B K R, in percent; only where `reduction_known` (detected in both)
@@ -324,5 +324,23 @@ module gyroakf_pipeline_result
       real(dp) :: duration = 0.0_dp
       type(channel_result_type), allocatable :: channel(:)
    end type pipeline_result_type
+
+contains
+
+   !> Channels of which nothing is known yet. Here, for the compiler needs some room on the stack for it.
+   subroutine new_channels(result, channels, stat)
+      !> Its channels are allocated
+      type(pipeline_result_type), intent(inout) :: result
+      !> How many, >= 0
+      integer, intent(in) :: channels
+      !> Not 0 where there is no memory
+      integer, intent(out) :: stat
+      integer :: i
+
+      allocate (result%channel(channels), stat=stat)
+      do i = 1, channels
+         if (stat == 0) allocate (result%channel(i)%allan(size(stage_names)), stat=stat)
+      end do
+   end subroutine new_channels
 
 end module gyroakf_pipeline_result

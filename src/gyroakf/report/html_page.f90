@@ -67,7 +67,7 @@ contains
       call put_remarks(writer, command, record, result)
       if (command == "run" .or. command == "allan") then
          call put_answer(writer, record, result)
-         if (any(result%channel%allan(stage%input)%fitted)) then
+         if (any([(result%channel(c)%allan(stage%input)%fitted, c=1, size(result%channel))])) then
             call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "// &
                                minimum_note(), 2)
          end if

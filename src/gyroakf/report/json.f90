@@ -5,6 +5,7 @@
 !> infinite values are written as null. Text is written as valid UTF-8: control characters are
 !> escaped, bytes that are not UTF-8 become U+FFFD.
 module gyroakf_report_json
+   use, intrinsic :: iso_c_binding, only : c_null_char
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_decimal, only : format_real, longest_real
    use gyroakf_io_writer, only : writer_type, put
@@ -14,7 +15,7 @@ module gyroakf_report_json
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: json_type, json_text, quote_json
+   public :: json_type, json_text, take_c_text, quote_json
 
    !> Groups may be nested this deep
    integer, parameter :: max_depth = 32
@@ -28,6 +29,8 @@ module gyroakf_report_json
       type(writer_type), pointer, public :: writer => null()
       character(:), allocatable :: buffer
       integer :: used = 0
+      !> There was no memory: the text is not whole
+      logical, public :: failed = .false.
       integer :: depth = 0
       logical :: empty(0:max_depth) = .true.
       logical :: list(0:max_depth) = .false.
@@ -58,6 +61,21 @@ contains
       call put(self%writer, self%buffer(:self%used))
       self%used = 0
    end subroutine close_group
+
+   !> The text that is in memory and the zero of C behind it; `failed` is set where there is no memory.
+   subroutine take_c_text(self, text)
+      !> The document
+      type(json_type), intent(inout) :: self
+      character(:), allocatable, intent(out) :: text
+      integer :: stat
+
+      if (self%failed) return
+      allocate (character(self%used + 1) :: text, stat=stat)
+      self%failed = stat /= 0
+      if (self%failed) return
+      text(:self%used) = self%buffer(:self%used)
+      text(self%used + 1:) = c_null_char
+   end subroutine take_c_text
 
    !> The text that is in memory.
    pure function json_text(self) result(text)
@@ -182,12 +200,15 @@ contains
       class(json_type), intent(inout) :: self
       character(*), intent(in) :: text
       character(:), allocatable :: larger
-      integer :: needed
+      integer :: needed, stat
 
+      if (self%failed) return
       needed = self%used + len(text)
       if (.not. allocated(self%buffer)) allocate (character(max(4096, needed)) :: self%buffer)
       if (needed > len(self%buffer)) then
-         allocate (character(max(2*len(self%buffer), needed)) :: larger)
+         allocate (character(max(2*len(self%buffer), needed)) :: larger, stat=stat)
+         self%failed = stat /= 0
+         if (self%failed) return
          larger(:self%used) = self%buffer(:self%used)
          call move_alloc(larger, self%buffer)
       end if

@@ -127,20 +127,22 @@ contains
          integer, intent(in) :: what, term
          character(*), intent(in) :: key, unit
          character(:), allocatable :: text
+         type(stated_coefficient_type) :: stated(size(measured))
          logical :: of(size(measured))
          integer :: c, largest
 
          of = measured == what
-         associate (stated => result%channel%allan(stage%input)%stated%term(term))
-            largest = maxloc(strength(stated), dim=1, mask=of)
-            text = key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "// &
-                   term_names(term)//" of "//plain(result%channel(largest)%name)
-            if (.not. stated(largest)%detected) text = text//" is not detectable: its 95 % upper limit"
-            call put_line(writer, text)
-            do c = 1, size(of)
-               if (of(c)) call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//axis_text(stated(c)))
-            end do
-         end associate
+         do c = 1, size(of)
+            stated(c) = result%channel(c)%allan(stage%input)%stated%term(term)
+         end do
+         largest = maxloc(strength(stated), dim=1, mask=of)
+         text = key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "// &
+                term_names(term)//" of "//plain(result%channel(largest)%name)
+         if (.not. stated(largest)%detected) text = text//" is not detectable: its 95 % upper limit"
+         call put_line(writer, text)
+         do c = 1, size(of)
+            if (of(c)) call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//axis_text(stated(c)))
+         end do
       end subroutine put_number
 
       !> Channels whose unit is not known, and those whose Allan deviation the terms do not describe.

@@ -5,7 +5,7 @@ module gyroakf_report_summary_row
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, sample_count, text_type, view_channel
    use gyroakf_units, only : term_names
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, &
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names, &
       stated_coefficient_type
    use gyroakf_report_csv_row, only : csv_row_type
    use gyroakf_report_description, only : description_type
@@ -65,6 +65,7 @@ contains
       type(json_type) :: json
       integer :: c, n
 
+      allocate (nothing%allan(size(stage_names)))
       row%message = ""
       if (present(code)) row%code = code
       if (present(message)) row%message = message

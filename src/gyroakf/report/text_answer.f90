@@ -29,7 +29,7 @@ contains
       type(record_type), intent(in) :: record
       !> Nothing is written where no Allan deviation was fitted
       type(pipeline_result_type), intent(in) :: result
-      integer :: first, last
+      integer :: first, last, i
       logical :: fitted
 
       fitted = .false.
@@ -41,7 +41,7 @@ contains
             if (unit_of(result%channel(last + 1)) /= unit_of(result%channel(first))) exit
             last = last + 1
          end do
-         if (.not. any(result%channel(first:last)%allan(stage%input)%fitted)) cycle
+         if (.not. any([(result%channel(i)%allan(stage%input)%fitted, i=first, last)])) cycle
          fitted = .true.
          call put_group(writer, record, result%channel(first:last), first)
       end do
@@ -176,7 +176,7 @@ contains
       character(:), allocatable :: text
       integer :: c
 
-      c = maxloc(channel%allan(stage%input)%stated%term(term_n)%value_si, dim=1)
+      c = maxloc([(channel(c)%allan(stage%input)%stated%term(term_n)%value_si, c=1, size(channel))], dim=1)
       associate (n => channel(c)%allan(stage%input)%stated%term(term_n), &
                  k => channel(c)%allan(stage%input)%stated%term(term_k))
          if (.not. (record%rate_known .and. n%detected .and. n%value_si > 0.0_dp)) return
