@@ -6,11 +6,11 @@
 module gyroakf_report_document
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, text_type, add_text, view_channel, sample_count
+   use gyroakf_units, only : quantity
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
    use gyroakf_report_description, only : description_type
-   use gyroakf_report_input, only : has_unit
    use gyroakf_report_json, only : json_type
    use gyroakf_report_document_distribution, only : put_preprocess
    use gyroakf_report_document_allan, only : put_allan, put_coefficients
@@ -85,7 +85,7 @@ contains
       call out%put("samples", sample_count(record))
       call out%put("rate_hz", 1.0_dp/record%sample_interval, record%rate_known)
       call out%put("rate_source", record%rate_source)
-      call out%put("unit", record%unit%name, has_unit(record))
+      call out%put("unit", record%unit%name, record%unit%quantity /= quantity%unknown)
       call out%put("unit_source", record%unit_source)
       call out%put("channels", record%channel)
       call out%put("missing", record%audit%missing)
@@ -141,7 +141,7 @@ contains
 
       call out%open("")
       call out%put("name", channel%name)
-      call out%put("unit", record%unit%name, has_unit(record))
+      call out%put("unit", record%unit%name, record%unit%quantity /= quantity%unknown)
       call out%open("raw")
       call out%put("mean", channel%raw%mean)
       call out%put("variance", channel%raw%variance)

@@ -79,8 +79,9 @@ contains
             call out%put("stride", channel%anderson_darling%stride)
             call out%close()
          end if
-         if (out%opens("histogram", is%histogram, shown=.false.)) &
-            call put_histogram(out, channel%histogram)
+         if (out%opens("histogram", is%histogram, shown=.false.)) then
+           call put_histogram(out, channel%histogram)
+         end if
          if (out%opens("quantisation", is%quantisation, "Quantization", &
                        channel%quantisation%quantised)) then
             call out%put("quantised", channel%quantisation%quantised, title="quantized")

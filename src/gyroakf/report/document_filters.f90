@@ -89,8 +89,9 @@ contains
                                                 "there is nothing that a filter could follow "// &
                                                 "and subtract")
          call out%put("name", trim(drift%name), title="model")
-         if (channel%verdict%stationary .and. drift%found) &
-            call out%remark("an approximation of the slow part of stationary noise")
+         if (channel%verdict%stationary .and. drift%found) then
+           call out%remark("an approximation of the slow part of stationary noise")
+         end if
          call out%remark(drift_source_text(channel))
          call put_model(out, drift%model)
          call out%open_list("slow", shown=.false.)

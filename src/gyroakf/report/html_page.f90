@@ -160,8 +160,9 @@ contains
       integer :: i
 
       do i = 1, size(figures)
-         if (figures(i)%kind == kind .and. figures(i)%channel == c) &
-            call put_figure(writer, figures(i))
+         if (figures(i)%kind == kind .and. figures(i)%channel == c) then
+           call put_figure(writer, figures(i))
+         end if
       end do
    end subroutine put_figures
 

@@ -189,6 +189,8 @@ contains
                           number(audit%white_noise, 3)//" of the variance of white noise; "// &
                           plural(audit%empty_slots, "slot")//" in long intervals (missing), "// &
                           plural(audit%dropped, "sample")//" of equal or earlier stamp dropped")
+         case default
+            return
          end select
       end associate
    end subroutine put_resample

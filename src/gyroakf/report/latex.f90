@@ -171,6 +171,8 @@ contains
           scan(text(i + 1:i + 1), "+-") == 0 .or. scan(text(i + 2:i + 2), digits) == 0) return
       last = i + verify(text(i + 2:)//" ", digits)
       read (text(i + 1:last), *, iostat=stat) value
+      if (stat /= 0) last = 0
+      if (last == 0) return
       write (power, "(i0)") value
       piece = if_known(value /= 0, "$\times10^{"//trim(power)//"}$")
    end subroutine take_exponent

@@ -138,8 +138,9 @@ contains
       text = ""
       if (.not. any(available)) return
       text = fixed(minval(percent, available), 0)
-      if (fixed(maxval(percent, available), 0) /= text) &
-         text = text//" to "//fixed(maxval(percent, available), 0)
+      if (fixed(maxval(percent, available), 0) /= text) then
+        text = text//" to "//fixed(maxval(percent, available), 0)
+      end if
       text = ", "//name//" "//text//" %"
    end function passed
 

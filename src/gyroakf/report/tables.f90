@@ -211,19 +211,22 @@ contains
       table%caption = "Before and after the filters"//if_known(.not. has_unit(record), &
                                                                ", in input units")
       call add_row(table, "", "mean;variance;share;gain;passes;NIS;|rho|;innov.")
-      if (has_unit(record)) &
-         call add_row(table, "", unit_name(record)//";("//unit_name(record)//")^2")
+      if (has_unit(record)) then
+        call add_row(table, "", unit_name(record)//";("//unit_name(record)//")^2")
+      end if
       table%note = filter_note(channel)
       associate (is => channel%available)
          call add_series("raw", channel%raw%mean, channel%raw%variance, "")
          call add_series("cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
          if (is%kf) call add_filter("KF (paper)", channel%kf, channel%kf_figures)
          if (is%akf) call add_filter("AKF (paper)", channel%akf, channel%akf_figures)
-         if (channel%drift%found .and. is%preprocess) &
-            call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
+         if (channel%drift%found .and. is%preprocess) then
+           call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
+         end if
          if (is%drift_kf) call add_filter("drift KF", channel%drift_kf, channel%drift_kf_figures)
-         if (is%drift_akf) &
-            call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
+         if (is%drift_akf) then
+           call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
+         end if
          if (is%drift_smoother) then
             call add_filter("smoother", channel%drift_smoother, channel%drift_smoother_figures)
             call add_series("compensated", channel%compensated%mean, &

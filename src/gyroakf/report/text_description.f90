@@ -253,8 +253,9 @@ contains
       character(:), allocatable :: text
 
       text = rounded(value, std_error)
-      if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. .not. std_error > 0.0_dp) &
-         text = fixed(value, 2)
+      if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. .not. std_error > 0.0_dp) then
+        text = fixed(value, 2)
+      end if
    end function value_text
 
    !> With a capital letter in front.

@@ -66,8 +66,9 @@ contains
       character(:), allocatable :: shown
 
       shown = text
-      if (writer%colour .and. color /= "" .and. text /= "") &
-         shown = achar(27)//"["//color//"m"//text//achar(27)//"[0m"
+      if (writer%colour .and. color /= "" .and. text /= "") then
+        shown = achar(27)//"["//color//"m"//text//achar(27)//"[0m"
+      end if
    end function painted
 
    !> The first line of a report.

@@ -37,8 +37,9 @@ contains
       end if
       if (.not. allocated(allan%other)) return
       do i = 1, size(allan%other)
-         if (allocated(allan%other(i)%tau)) &
-            call put_curve(writer, record, allan%other(i), title, none)
+         if (allocated(allan%other(i)%tau)) then
+           call put_curve(writer, record, allan%other(i), title, none)
+         end if
       end do
    end subroutine put_curves_of
 

@@ -83,11 +83,13 @@ contains
          call out%attach(writer)
          call put_ar(out, channel)
       case default
-         if (channel%available%preprocess) &
-            call put_item(writer, "Cleaned", cleaning_text(channel%clean))
-         if (channel%available%ar) &
-            call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", &
+         if (channel%available%preprocess) then
+           call put_item(writer, "Cleaned", cleaning_text(channel%clean))
+         end if
+         if (channel%available%ar) then
+           call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", &
                           model_text(channel))
+         end if
          if (has_filters(channel)) call put_series(writer, record, channel)
          call put_rmse(writer, record, channel)
       end select
@@ -196,8 +198,9 @@ contains
       call new_table(table, 1, 2)
       call add_row(table, "", "RMSE")
       do i = 1, size(figures)
-         if (figures(i)%rmse_samples > 0) &
-            call add_row(table, trim(name(i)), number(figures(i)%rmse, 4))
+         if (figures(i)%rmse_samples > 0) then
+           call add_row(table, trim(name(i)), number(figures(i)%rmse, 4))
+         end if
       end do
       call put_table(writer, table)
       call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &

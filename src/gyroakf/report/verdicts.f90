@@ -107,8 +107,9 @@ contains
 
       text = ""
       if (.not. channel%available%ljung_box) return
-      if (whiteness_word(channel%ljung_box) == "colored") &
-         text = "the samples are correlated: the p-value is too small"
+      if (whiteness_word(channel%ljung_box) == "colored") then
+        text = "the samples are correlated: the p-value is too small"
+      end if
    end function correlation_caution
 
    !> What Fisher's test says.
@@ -144,8 +145,9 @@ contains
          end if
          if (drift%block > 1) write (text(len_trim(text) + 1:), "(a, i0, a)") &
             ", the slowest processes from means of ", drift%block, " samples over the whole record"
-         if (.not. drift%errors_known .and. drift%model%count > 0) &
-            text = trim(text)//"; standard errors are not known"
+         if (.not. drift%errors_known .and. drift%model%count > 0) then
+           text = trim(text)//"; standard errors are not known"
+         end if
       end associate
    end function drift_source_text
 
