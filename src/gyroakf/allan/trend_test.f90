@@ -101,11 +101,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: series(:, :), cost(:, :)
       real(dp) :: gain(scale_count + 1), term(0:differences - 1, 3)
-      integer :: k, shape, mixture, stat(mixture_count)
+      integer :: k, shape, mixture, stat, failed(mixture_count)
 
-      stat = 0
-      allocate (series(0:scale_count + 1, differences), cost(0:scale_count + 1, mixture_count), stat=stat(1))
-      if (stat(1) /= 0) call refuse(error)
+      allocate (series(0:scale_count + 1, differences), stat=stat)
+      if (stat == 0) allocate (cost(0:scale_count + 1, mixture_count), stat=stat)
+      if (stat /= 0) call refuse(error)
       if (allocated(error)) return
       series(0, :) = steps_of(mean)
       if (maxval(abs(series(0, :))) <= 0.0_dp) return
@@ -117,10 +117,10 @@ contains
       term = noise_covariances()
       !$omp parallel do schedule(static)
       do k = 1, mixture_count
-         call find_costs(mixture_covariance(term, k), series, cost(:, k), stat(k))
+         call find_costs(mixture_covariance(term, k), series, cost(:, k), failed(k))
       end do
       !$omp end parallel do
-      if (any(stat /= 0)) call refuse(error)
+      if (any(failed /= 0)) call refuse(error)
       if (allocated(error)) return
       gain = minval(cost(0, :)) - minval(cost(1:, :), dim=2)
       shape = 1 + maxloc(gain(2:), dim=1)

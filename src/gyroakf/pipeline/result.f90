@@ -338,8 +338,10 @@ contains
       integer :: i
 
       allocate (result%channel(channels), stat=stat)
+      if (stat /= 0) return
       do i = 1, channels
-         if (stat == 0) allocate (result%channel(i)%allan(size(stage_names)), stat=stat)
+         allocate (result%channel(i)%allan(size(stage_names)), stat=stat)
+         if (stat /= 0) return
       end do
    end subroutine new_channels
 

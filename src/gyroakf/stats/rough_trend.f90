@@ -37,7 +37,8 @@ contains
       if (n > all_up_to .and. degree >= 0) then
          stride = n/looked_at
          count = (n - 1)/stride + 1
-         allocate (some(count), here(count), stat=stat)
+         allocate (some(count), stat=stat)
+         if (stat == 0) allocate (here(count), stat=stat)
          if (stat /= 0) then
             call fatal_error(error, status%no_memory, "no memory for a part of a series")
             return
