@@ -181,10 +181,11 @@ contains
       integer(int8), allocatable, intent(out) :: known(:)
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: y(window*block_size), medians(block_size)
-      logical :: there(window*block_size)
+      real(dp), allocatable :: y(:)
+      logical, allocatable :: there(:)
+      real(dp) :: medians(block_size)
       integer(int64) :: k, number
-      integer :: j, stat
+      integer :: j, stat, bad
 
       number = size(x, kind=int64)/window
       allocate (median(number), stat=stat)
@@ -193,8 +194,14 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the search for motion")
          return
       end if
-      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(y, there, medians, j) schedule(static)
+      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(y, there, medians, j, bad) &
+      !$omp& schedule(static) reduction(+:stat)
       do k = 0, number - 1, block_size
+         bad = 0
+         if (.not. allocated(y)) allocate (y(window*block_size), stat=bad)
+         if (bad == 0 .and. .not. allocated(there)) allocate (there(window*block_size), stat=bad)
+         stat = stat + bad
+         if (bad /= 0) cycle
          call take_samples(x, k*window, step, marks, y, there)
          call find_medians(y, window, medians)
          do j = 1, int(min(number - k, int(block_size, int64)))
@@ -203,6 +210,7 @@ contains
          end do
       end do
       !$omp end parallel do
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the search for motion")
    end subroutine take_medians
 
    !> Quantization step: the median distance of the distinct values among the first 100,000 samples.
