@@ -78,6 +78,7 @@ contains
       call make_record(record, .false.)
       call make_result(record, result)
       allocate (empty%channel(1))
+      allocate (empty%channel(1)%allan(6))
       call make_tables(record, empty%channel(1), tables)
       call check(error, size(tables), 0)
    end subroutine test_nothing

@@ -327,7 +327,7 @@ module gyroakf_pipeline_result
 
 contains
 
-   !> Channels of which nothing is known yet. Here, for the compiler needs some room on the stack for it.
+   !> Channels of which nothing is known yet. Here, for the compiler makes a copy of one on the stack.
    subroutine new_channels(result, channels, stat)
       !> Its channels are allocated
       type(pipeline_result_type), intent(inout) :: result
