@@ -119,7 +119,8 @@ def build():
         if code:
             return None, said
         for line in output.split():
-            programs[Path(line).name] = TREE / line
+            name = Path(line).name
+            programs["test_main" if name == "main" else name] = TREE / line
     return programs, said
 
 

@@ -100,7 +100,7 @@ contains
       associate (options => filter%options)
          if (options%estimate_process_variance .and. options%estimate_measurement_variance) then
             call add_text(result%warnings, "Q and R are both adapted but not identifiable together: their sum follows the data, " &
-                          //"their ratio, and with it the gain, does not", note=.true.)
+                          //"their ratio, and with it the gain, does not; adapt R alone", note=.true.)
          end if
          if (options%estimate_process_mean .and. options%estimate_measurement_mean) then
             call add_text(result%warnings, "q and r are both adapted but not identifiable together: " &
