@@ -10,7 +10,7 @@ module gyroakf_c_api_c_run
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_document, only : put_document
-   use gyroakf_report_json, only : json_type, take_c_text
+   use gyroakf_report_json, only : json_type
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, &
       & paper_seed
    use gyroakf_c_api_c_host, only : progress_c, callback_type
@@ -118,8 +118,14 @@ contains
       if (allocated(error)) return
       if (allocated(record)) call put_document(document, record, result)
       if (.not. allocated(record)) call put_document(document, given, result)
-      call take_c_text(document, json)
-      if (document%failed) call fatal_error(error, status%no_memory, "no memory for the text of the results")
+      stat = merge(1, 0, document%failed)
+      if (stat == 0) allocate (character(document%used + 1) :: json, stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the text of the results")
+         return
+      end if
+      json(:document%used) = document%buffer(:document%used)
+      json(document%used + 1:) = c_null_char
    end subroutine run_record
 
    !> `gyroakf_result_json`

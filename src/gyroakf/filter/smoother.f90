@@ -204,7 +204,7 @@ contains
                call predict_back(model, back)
             else
                back%x(:n) = now%state%x(:n) + matmul(now%state%p(:n, :n), back%rho(:n))
-               if (present(variance)) call smooth_covariance(n, now%state%p(:n, :n), back)
+               if (present(variance)) call smooth_covariance(n, now%state%p, back)
             end if
             drift(k) = sum(back%x(:n), mask=slow)
             if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) .and. spread(slow, 2, n))
@@ -220,11 +220,11 @@ contains
    pure subroutine smooth_covariance(n, p, back)
       integer, intent(in) :: n
       !> Filtered
-      real(dp), intent(in) :: p(n, n)
+      real(dp), intent(in) :: p(:, :)
       !> Its v is set
       type(smoother_back_type), intent(inout) :: back
 
-      back%v(:n, :n) = p - matmul(matmul(p, back%n(:n, :n)), p)
+      back%v(:n, :n) = p(:n, :n) - matmul(matmul(p(:n, :n), back%n(:n, :n)), p(:n, :n))
    end subroutine smooth_covariance
 
    !> Rho back by one sample and its measurement.

@@ -5,7 +5,6 @@
 !> infinite values are written as null. Text is written as valid UTF-8: control characters are
 !> escaped, bytes that are not UTF-8 become U+FFFD.
 module gyroakf_report_json
-   use, intrinsic :: iso_c_binding, only : c_null_char
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_decimal, only : format_real, longest_real
    use gyroakf_io_writer, only : writer_type, put
@@ -15,20 +14,19 @@ module gyroakf_report_json
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: json_type, json_text, take_c_text, quote_json
+   public :: json_type, json_text, quote_json
 
    !> Groups may be nested this deep
    integer, parameter :: max_depth = 32
-   !> A longer text is handed over to the file
-   integer, parameter :: flush_length = 65536
 
    !> The text so far
    type, extends(description_type) :: json_type
       private
-      !> Takes the text now and then, and all of it at the end; null: it stays in memory
+      !> Takes the text; null: it stays in memory
       type(writer_type), pointer, public :: writer => null()
-      character(:), allocatable :: buffer
-      integer :: used = 0
+      !> The text that is in memory is `buffer(:used)`
+      character(:), allocatable, public :: buffer
+      integer, public :: used = 0
       !> There was no memory: the text is not whole
       logical, public :: failed = .false.
       integer :: depth = 0
@@ -56,26 +54,7 @@ contains
       if (.not. was_empty) call new_line_indented(self)
       call append(self, merge("]", "}", list))
       if (self%depth == 0) call append(self, new_line("a"))
-      if (.not. associated(self%writer)) return
-      if (self%depth > 0 .and. self%used < flush_length) return
-      call put(self%writer, self%buffer(:self%used))
-      self%used = 0
    end subroutine close_group
-
-   !> The text that is in memory and the zero of C behind it; `failed` is set where there is no memory.
-   subroutine take_c_text(self, text)
-      !> The document
-      type(json_type), intent(inout) :: self
-      character(:), allocatable, intent(out) :: text
-      integer :: stat
-
-      if (self%failed) return
-      allocate (character(self%used + 1) :: text, stat=stat)
-      self%failed = stat /= 0
-      if (self%failed) return
-      text(:self%used) = self%buffer(:self%used)
-      text(self%used + 1:) = c_null_char
-   end subroutine take_c_text
 
    !> The text that is in memory.
    pure function json_text(self) result(text)
@@ -195,18 +174,19 @@ contains
       call append(self, new_line("a")//repeat("  ", self%depth))
    end subroutine new_line_indented
 
-   !> Appends to the buffer, which doubles when it is full.
+   !> Appends to the file, or to the buffer, which doubles when it is full.
    subroutine append(self, text)
       class(json_type), intent(inout) :: self
       character(*), intent(in) :: text
       character(:), allocatable :: larger
       integer :: needed, stat
 
-      if (self%failed) return
+      if (associated(self%writer)) call put(self%writer, text)
+      if (associated(self%writer) .or. self%failed) return
       needed = self%used + len(text)
-      if (.not. allocated(self%buffer)) allocate (character(max(4096, needed)) :: self%buffer)
+      if (.not. allocated(self%buffer)) self%buffer = ""
       if (needed > len(self%buffer)) then
-         allocate (character(max(2*len(self%buffer), needed)) :: larger, stat=stat)
+         allocate (character(max(4096, 2*needed)) :: larger, stat=stat)
          self%failed = stat /= 0
          if (self%failed) return
          larger(:self%used) = self%buffer(:self%used)

@@ -55,6 +55,7 @@ contains
       call json%open_list("files")
       do i = 1, size(rows)
          call json%put_json("", rows(i)%json)
+         writer%failed = writer%failed .or. rows(i)%json == ""
       end do
       call json%close()
       call json%close()

@@ -27,7 +27,7 @@ module gyroakf_report_summary_row
       character(:), allocatable :: message
       !> Names of the columns of summary.csv, and its lines, each with its line feed
       character(:), allocatable :: csv_head, csv
-      !> Element of "files" in summary.json
+      !> Element of "files" in summary.json, "" where there was no memory for it
       character(:), allocatable :: json
       !> Cells of the table, a row for each channel: [row, column]; and their heads
       type(text_type), allocatable :: cell(:, :), heads(:)
@@ -91,7 +91,8 @@ contains
       call json%close()
       call json%close()
       text = json_text(json)
-      row%json = text(index(text, "[") + index(text(index(text, "["):), "{") - 1:)
+      row%json = ""
+      if (.not. json%failed) row%json = text(index(text, "[") + index(text(index(text, "["):), "{") - 1:)
 
    contains
 
