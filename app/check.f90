@@ -3,7 +3,7 @@
 module gyroakf_app_check
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_reader, only : reader_options
-   use gyroakf_io_writer, only : is_file
+   use gyroakf_io_writer, only : is_file, is_same_file, after_dots
    use gyroakf_report_files, only : document_mark, foreign_file, foreign_result, is_marked, result_files
    use gyroakf_report_kalibr, only : kalibr_mark
    use gyroakf_report_latex, only : latex_mark
@@ -115,7 +115,7 @@ contains
             call usage_error(error, "--ar and --ar-variance go together")
          else if (record%outliers > 0 .neqv. abs(record%outlier_size) > 0) then
             call usage_error(error, "--outlier-count and --outlier-size go together")
-         else if (same_file(config%truth, config%output)) then
+         else if (is_same_file(config%truth, config%output)) then
             call usage_error(error, "--output and --truth name the same file '"//config%truth//"'")
          end if
       end associate
@@ -132,7 +132,7 @@ contains
          do i = 1, size(config%paths)
             if (config%paths(i)%text == "-") then
                inputs = inputs + 1
-            else if (same_file(target(1)%text, config%paths(i)%text)) then
+            else if (is_same_file(config%paths(i)%text, target(1)%text)) then
                call usage_error(error, "--json would overwrite the recording '"//target(1)%text//"'")
                return
             end if
@@ -213,12 +213,12 @@ contains
       do i = 1, size(config%file)
          associate (target => config%file(i)%text)
             if (target == "" .or. target == "-") cycle
-            if (same_file(target, config%path)) then
+            if (is_same_file(config%path, target)) then
                call usage_error(error, trim(file_options(i))//" would overwrite the recording '"// &
-                                without_dot(config%path)//"'")
-            else if (i > 1 .and. is_result(config%out, target)) then
+                                config%path(after_dots(config%path):)//"'")
+            else if (is_result(config%out, target)) then
                call usage_error(error, trim(file_options(i))//" and --out name the same file '"//target//"'")
-            else if (same_file(target, config%truth)) then
+            else if (is_same_file(target, config%truth)) then
                call usage_error(error, "a result would overwrite the true drift '"//config%truth//"'")
             end if
          end associate
@@ -230,7 +230,7 @@ contains
          call check_different(config, 1, error)
       end if
       if (allocated(error) .or. .not. is_result(config%out, config%path)) return
-      call usage_error(error, "--out would overwrite the recording '"//without_dot(config%path)//"'")
+      call usage_error(error, "--out would overwrite the recording '"//config%path(after_dots(config%path):)//"'")
    end subroutine check_outputs
 
    !> No two options write the same file, or both standard output.
@@ -245,7 +245,7 @@ contains
       do i = first + 1, size(config%file)
          do j = first, i - 1
             associate (target => config%file(i)%text)
-               if (.not. same_file(target, config%file(j)%text)) cycle
+               if (.not. is_same_file(target, config%file(j)%text)) cycle
                options = trim(file_options(j))//" and "//trim(file_options(i))
                if (target == "-") then
                   call usage_error(error, options//" would both be on standard output ('-')")
@@ -259,7 +259,7 @@ contains
    end subroutine check_different
 
    !> Whether --out writes that file.
-   pure logical function is_result(directory, path)
+   logical function is_result(directory, path)
       !> Of --out, "" where it was not given, and the file
       character(*), intent(in) :: directory, path
       integer :: i
@@ -267,28 +267,8 @@ contains
       is_result = .false.
       if (directory == "" .or. path == "-") return
       do i = 1, size(result_files)
-         if (same_file(directory//"/"//trim(result_files(i)), path)) is_result = .true.
+         if (is_same_file(directory//"/"//trim(result_files(i)), path)) is_result = .true.
       end do
    end function is_result
-
-   !> Whether two paths that were given name the same file.
-   pure logical function same_file(a, b)
-      character(*), intent(in) :: a, b
-
-      same_file = a /= "" .and. without_dot(a) == without_dot(b)
-   end function same_file
-
-   !> A path without "./" in front.
-   pure function without_dot(path) result(rest)
-      character(*), intent(in) :: path
-      character(:), allocatable :: rest
-      integer :: first
-
-      first = 1
-      do while (index(path(first:), "./") == 1)
-         first = first + 2
-      end do
-      rest = path(first:)
-   end function without_dot
 
 end module gyroakf_app_check

@@ -5,6 +5,7 @@
 module gyroakf_app_driver
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf_threads, only : set_thread_count
+   use gyroakf_utf8, only : make_readable
    use gyroakf_error, only : error_type, exit_code, fatal_error, status
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_io_writer, only : writer_type, open_writer, put, commit_writer
@@ -49,6 +50,7 @@ contains
       if (.not. allocated(error)) call execute(config, code, error)
       if (.not. allocated(error)) return
       call name_options(error%message)
+      call make_readable(error%message, lines=.true.)
       write (error_unit, "(a)") "gyroakf: error: "//error%message
       code = exit_code(error%code)
       if (error%code == status%cancelled .and. interrupt_signal() > 0) code = 128 + interrupt_signal()

@@ -3,6 +3,7 @@
 !> of `--json`, and to standard output.
 module gyroakf_app_many
    use, intrinsic :: iso_fortran_env, only : error_unit
+   use gyroakf_utf8, only : make_readable
    use gyroakf_error, only : error_type, exit_code, status
    use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, open_writer, writer_type
    use gyroakf_pipeline, only : pipeline_result_type
@@ -50,7 +51,9 @@ contains
          call clear_bar(bar)
          if (allocated(error)) return
          code = max(code, rows(i)%code)
-         if (rows(i)%code /= 0) write (error_unit, "(a)") "gyroakf: error: "//rows(i)%message
+         if (rows(i)%code == 0) cycle
+         call make_readable(rows(i)%message, lines=.true.)
+         write (error_unit, "(a)") "gyroakf: error: "//rows(i)%message
       end do
       call guard_files()
       call write_files(config, rows, error)

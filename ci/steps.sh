@@ -96,6 +96,10 @@ command_line() { # the command-line tests, on the program built with the flags i
   test/cli/run.sh "$program"
 }
 
+faults() { # memory that is lacking, then files that cannot be read or written
+  ci/faults/run.sh && ci/faults/files.sh "$(binary)"
+}
+
 lint() { # fortitude, which ends with a count of its findings
   GYROAKF_LINT=1 ./setup.sh fortitude check --output-format concise
 }
@@ -155,5 +159,5 @@ sanitizers() {
     UBSAN_OPTIONS=print_stacktrace=1 "$@"
 }
 
-export -f builds clean command_line binary header lint mutants warnings examples checked sanitizers
+export -f faults builds clean command_line binary header lint mutants warnings examples checked sanitizers
 export checked_fortran checked_c sanitized logs

@@ -5,6 +5,7 @@ module test_cadence
    use expectations, only : check
    use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_audit, only : audit_stamps, gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_record, only : audit_type
@@ -16,6 +17,9 @@ module test_cadence
    real(dp), parameter :: interval = 0.001_dp
    !> Of the interval
    real(dp), parameter :: jitters(*) = [0.0_dp, 1.0e-5_dp, 0.004_dp, 0.05_dp, 0.12_dp, 0.2_dp, 0.24_dp]
+
+   !> Of the last audit, which then found nothing
+   type(gyro_error), allocatable :: failed
 
 contains
 
@@ -56,7 +60,7 @@ contains
       do i = 1, n
          t(i) = interval*(real(place(i), dp) + jitter*(2.0_dp*uniform(i) - 1.0_dp))
       end do
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       lost = place(n) - place(1) + 1 - n
       call check(error, int(sum(gaps%length(:gaps%count))), lost, more=what//", jitter "//format_real(jitter, 3))
       tolerance = 1.0e-9_dp + 2.0_dp*jitter/real(n, dp)
@@ -114,32 +118,32 @@ contains
       integer :: i
 
       t(:) = [(interval*(i - 1 + (i - 1)/7), i=1, 7000)]
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       call check(error, audit%stamp_rate, 1000.0_dp, thr=1.0e-6_dp, more="taken")
       call check(error, audit%other_rate, 875.0_dp, thr=1.0e-6_dp, more="other")
-      call audit_stamps(t, decided, gaps, 875.0_dp)
+      call audit_stamps(t, decided, gaps, failed, 875.0_dp)
       call check(error, gaps%count == 0 .and. abs(decided%stamp_rate - 875.0_dp) < 0.1_dp, "875 Hz was given")
-      call audit_stamps(t, same, gaps, 1000.0_dp)
+      call audit_stamps(t, same, gaps, failed, 1000.0_dp)
       call check(error, gaps%count == 999 .and. same%other_rate <= 0.0_dp, "1000 Hz was given")
       t(:) = [(interval*aint((i - 1)/0.8331_dp), i=1, 7000)]
       deallocate (audit%line_of_first)
       audit = audit_type()
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       call check(error, gaps%count == 0 .and. audit%beats > 0 .and. abs(audit%other_rate - 1000.0_dp) < 1.0e-6_dp, &
                  "833.1 Hz: "//format_real(real(gaps%count, dp), 5)//", other "//format_real(audit%other_rate, 9))
       t(:) = [(interval*(i - 1 + (i - 1)/59), i=1, 7000)]
       audit = audit_type()
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       call check(error, gaps%count == 118 .and. abs(audit%stamp_rate - 1000.0_dp) < 1.0e-6_dp .and. audit%other_rate > 983.0_dp, &
                  "every 60th lost")
       t(:) = [(interval*(i + count(i >= [1750, 3500, 5250])), i=1, 7000)]
       audit = audit_type()
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       call check(error, gaps%count == 3 .and. audit%other_rate > 999.0_dp .and. audit%other_rate < 999.9_dp, &
                  "three at even distances: both rates are known")
       t(:) = [(interval*(i + count(i >= [1750, 1800, 1850])), i=1, 7000)]
       audit = audit_type()
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       call check(error, gaps%count == 3 .and. audit%other_rate <= 0.0_dp, "three near each other: lost")
    end subroutine test_two_rates
 
@@ -153,7 +157,7 @@ contains
       integer :: i
 
       t(:) = [(interval*(i + (i + 500)/1000 + uniform(i)), i=1, size(t))]
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       call check(error, gaps%count, lost)
       call check(error, all(gaps%length(:lost) == 1), "one each")
       call check(error, int(maxval(abs(gaps%before(:lost) - [(1000*i - 500, i=1, lost)]))) <= 4, "place")
@@ -170,13 +174,13 @@ contains
       integer :: k, i
 
       t(:) = [(modulo(604795.0_dp + 0.01_dp*(i + merge(30, 0, i > 480)), 604800.0_dp), i=1, size(t))]
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, failed)
       call check(error, int(audit%rollovers), 1, more="beside a gap")
       call check(error, int(gaps%length(1)), 30, more="the gap")
       do k = 1, size(period)
          t(:) = [(modulo(start(k) + 0.01_dp*i, period(k)), i=1, size(t))]
          audit = audit_type()
-         call audit_stamps(t, audit, gaps)
+         call audit_stamps(t, audit, gaps, failed)
          call check(error, int(audit%rollovers), times(k), more=format_real(period(k), 9))
          call check(error, gaps%count == 0 .and. audit%backward_steps == 0 .and. abs(audit%rollover_period - period(k)) <= 0.0_dp, &
                     "counts")

@@ -59,6 +59,7 @@ contains
       character(6), parameter :: kinds(7) = [character(6) :: "oadev", "adev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
       type(allan_options) :: options
       type(allan_curve_type) :: curve
+      type(noise_type) :: noise
       type(gyro_error), allocatable :: failed
       real(c_double), dimension(points) :: tau, dev, low, high, edf
       real(dp) :: x(samples)
@@ -68,6 +69,7 @@ contains
       do kind = 1, size(kinds)
          options%kind = trim(kinds(kind))
          call compute_allan(x, interval, options, curve, failed)
+         if (kind == 1) call fit_noise(curve, noise_options(), noise, failed)
          call gyadev(samples, x, interval, kind, points, nt, tau, dev, low, high, edf, info)
          call check(error, info == 0 .and. nt == size(curve%tau), kinds(kind))
          if (allocated(error)) return

@@ -34,12 +34,12 @@
   F(run_options_init, 1) F(run, 2) F(result_json, 8) F(result_free, 8) \
   F(allan_options_init, 1) F(allan_new, 60) F(allan_size, 8) F(allan_tau, 8) F(allan_deviation, 8) F(allan_lower, 8) \
   F(allan_upper, 8) F(allan_edf, 8) F(allan_free, 30) \
-  F(fit_options_init, 1) F(noise_fit, 4) \
-  F(outlier_options_init, 1) F(mark_outliers, 80) \
+  F(fit_options_init, 1) F(noise_fit, 4) F(allan_fit, 4) \
+  F(outlier_options_init, 1) F(mark_outliers, 80) F(clean, 60) \
   F(adf_options_init, 1) F(adf_test, 60) \
   F(kpss_options_init, 1) F(kpss_test, 80) \
   F(ar_options_init, 1) F(ar_fit, 60) \
-  F(filter_options_init, 1) F(filter_new, 120) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
+  F(filter_options_init, 1) F(filter_new, 120) F(filter_identify, 10) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
   F(filter_run_watched, 60) F(filter_get, 60) \
   F(filter_free, 60) F(filter_reset, 30) F(filter_save, 60) F(filter_restore, 60) \
   F(drift_model_init, 1) F(drift_options_init, 1) F(drift_identify, 6) F(drift_filter_new, 60) \
@@ -788,6 +788,19 @@ static void call_noise_fit(void) {
   if (out) promise_numbers(status, &out->n.value, 3);
 }
 
+static void call_allan_fit(void) {
+  gyroakf_allan *a = (gyroakf_allan *)handle(allans);
+  gyroakf_fit_options *opt = any_fit_options();
+  gyroakf_noise *out = (gyroakf_noise *)place(sizeof *out);
+  gyroakf_error *err = error_place();
+  int status;
+  begin();
+  status = gyroakf_allan_fit(a, opt, out, err);
+  end(status, err);
+  if (out) promise_numbers(status, &out->n.value, 3);
+  if (a && status == GYROAKF_OK) promise_numbers(status, gyroakf_allan_upper(a), gyroakf_allan_size(a));
+}
+
 static void call_mark_outliers(void) {
   int64_t n;
   const double *x = series(&n);
@@ -798,6 +811,20 @@ static void call_mark_outliers(void) {
   int status;
   begin();
   status = gyroakf_mark_outliers(x, n, opt, inlier, out, err);
+  end(status, err);
+  if (out) promise_numbers(status, &out->expected, 5);
+}
+
+static void call_clean(void) {
+  int64_t n;
+  const double *x = series(&n);
+  gyroakf_outlier_options *opt = any_outlier_options();
+  double *cleaned = (double *)results((n > 0 && n < 6000 ? (size_t)n : 0) * sizeof *cleaned, 40);
+  gyroakf_outliers *out = (gyroakf_outliers *)place(sizeof *out);
+  gyroakf_error *err = error_place();
+  int status;
+  begin();
+  status = gyroakf_clean(x, n, opt, cleaned, out, err);
   end(status, err);
   if (out) promise_numbers(status, &out->expected, 5);
 }
@@ -855,6 +882,23 @@ static void call_filter_new(void) {
   begin();
   status = gyroakf_filter_new(p, (const double *)(const void *)phi, q, r, opt, out, err);
   end(status, err);
+  keep(filters, status, (void **)out);
+}
+
+static void call_filter_identify(void) {
+  static const char *const kinds[] = {"kf", "akf", "drift_kf", "drift_akf"};
+  const char *kind = one_in(20) ? text() : kinds[below(4)];
+  int64_t n;
+  const double *x = series(&n);
+  double dt = one_in(5) ? any_double() : uniform(), *mean = (double *)place(sizeof *mean);
+  gyroakf_run_options *opt = any_run_options();
+  gyroakf_filter **out = one_in(40) ? NULL : (gyroakf_filter **)take(sizeof *out, 0, always);
+  gyroakf_error *err = error_place();
+  int status;
+  begin();
+  status = gyroakf_filter_identify(kind, x, n, dt, opt, out, mean, err);
+  end(status, err);
+  promise_numbers(status, mean, 1);
   keep(filters, status, (void **)out);
 }
 

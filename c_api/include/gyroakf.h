@@ -301,7 +301,8 @@ GYROAKF_API void gyroakf_allan_options_init(gyroakf_allan_options *opt);
  *   n     samples, >= 2
  *   dt    sample interval, s, > 0
  *   out   the curve; free it with gyroakf_allan_free
- * Cost O(n) for each averaging time; memory 8 bytes a sample.
+ * Limits and degrees of freedom are those of the noise type that is identified at each averaging time, until gyroakf_allan_fit has
+ * fitted the curve. Cost O(n) for each averaging time; memory 8 bytes a sample.
  */
 GYROAKF_API int gyroakf_allan_new(const double *rate, int64_t n, double dt, const gyroakf_allan_options *opt,
                                   gyroakf_allan **out, gyroakf_error *err);
@@ -314,8 +315,7 @@ GYROAKF_API const double *gyroakf_allan_tau(const gyroakf_allan *a);       /* av
 GYROAKF_API const double *gyroakf_allan_deviation(const gyroakf_allan *a); /* unit u; tdev: u s */
 GYROAKF_API const double *gyroakf_allan_lower(const gyroakf_allan *a);     /* lower confidence limit */
 GYROAKF_API const double *gyroakf_allan_upper(const gyroakf_allan *a);     /* upper confidence limit */
-GYROAKF_API const double *gyroakf_allan_edf(const gyroakf_allan *a);       /* equivalent degrees of freedom, of the noise type
-                                                                              identified at each averaging time */
+GYROAKF_API const double *gyroakf_allan_edf(const gyroakf_allan *a);       /* equivalent degrees of freedom */
 
 GYROAKF_API void gyroakf_allan_free(gyroakf_allan *a);
 
@@ -370,6 +370,12 @@ typedef struct gyroakf_noise {
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);
 
+/*
+ * The same; and the curve gets the limits and degrees of freedom of the noise that was fitted, which the program states, where there
+ * is a description (described 1).
+ */
+GYROAKF_API int gyroakf_allan_fit(gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out, gyroakf_error *err);
+
 /* ---------------------------------------------------------------------------------------------------------- outliers */
 
 typedef struct gyroakf_outlier_options {
@@ -403,6 +409,16 @@ typedef struct gyroakf_outliers {
  */
 GYROAKF_API int gyroakf_mark_outliers(const double *x, int64_t n, const gyroakf_outlier_options *opt, int8_t *inlier,
                                       gyroakf_outliers *out, gyroakf_error *err);
+
+/*
+ * The series without its outliers and its trend, as the program analyzes it: method "none" removes the trend alone, degree -1 the
+ * outliers alone. The trend of degree 0 is the mean.
+ *   x        [n], not modified
+ *   cleaned  [n] of the caller: NaN where x is missing or an outlier
+ *   out      NULL where the figures are not wanted
+ */
+GYROAKF_API int gyroakf_clean(const double *x, int64_t n, const gyroakf_outlier_options *opt, double *cleaned,
+                              gyroakf_outliers *out, gyroakf_error *err);
 
 /* ------------------------------------------------------------------------------------------------------ stationarity */
 
@@ -512,7 +528,7 @@ typedef struct gyroakf_filter_options {
 GYROAKF_API void gyroakf_filter_options_init(gyroakf_filter_options *opt);
 
 /*
- * A filter for z_k = x_k + v_k, x_k = sum phi_i x_{k-i} + w_k.
+ * A filter for z_k = x_k + v_k, x_k = sum phi_i x_{k-i} + w_k. The state has the mean zero: give it samples less their mean.
  *   p     order, 0 .. 1000; the time grows as p^2, as that of a step does (1000: some tenths of a second, some milliseconds)
  *   phi   [p] coefficients of a stationary model (NULL if p is 0)
  *   q, r  variances of w and v, u^2, >= 0, not both 0
@@ -520,6 +536,22 @@ GYROAKF_API void gyroakf_filter_options_init(gyroakf_filter_options *opt);
  */
 GYROAKF_API int gyroakf_filter_new(int32_t p, const double *phi, double q, double r, const gyroakf_filter_options *opt,
                                    gyroakf_filter **out, gyroakf_error *err);
+
+/*
+ * The filter that the program makes for a series (gyroakf_run, the command run): its model is identified, its start, its bounds and
+ * scales are set.
+ *   kind  "kf", "akf": the paper's Kalman and adaptive Kalman filter of the AR model of the cleaned series (gyroakf_clean with its
+ *         defaults); "drift_kf", "drift_akf": those of the drift
+ *   x     [n] series, u, n >= 10; NaN: missing
+ *   dt    sample interval, s, > 0
+ *   opt   preset, progress and progress_user count; may be NULL
+ *   out   the filter before its first step; goes to gyroakf_filter_free
+ *   mean  what the filter takes is a sample less this mean
+ * GYROAKF_INVALID_ARGUMENT: no such kind, or the series has no drift. Others as those of the analysis: GYROAKF_TOO_FEW_SAMPLES,
+ * GYROAKF_CONSTANT_INPUT, GYROAKF_SINGULAR, GYROAKF_UNSTABLE, GYROAKF_NOT_CONVERGED. Memory: 33 bytes a sample.
+ */
+GYROAKF_API int gyroakf_filter_identify(const char *kind, const double *x, int64_t n, double dt, const gyroakf_run_options *opt,
+                                      gyroakf_filter **out, double *mean, gyroakf_error *err);
 
 /*
  * One step in real time: takes the measurement z, writes the estimate to *x. No allocation, no lock, a bounded time.

@@ -27,6 +27,11 @@ void gyfstp_(double *work, const double *z, double *x, int32_t *info);
 void gyfrun_(double *work, const int32_t *n, const double *z, double *x, int32_t *info);
 void gyfget_(const double *work, double *state, int32_t *info);
 void gyffrz_(double *work, const int32_t *ifrz, int32_t *info);
+void gyclen_(const int32_t *n, const double *x, const int32_t *ideg, double *z, int32_t *nrem, int32_t *info);
+void gyfdes_(const int32_t *n, const double *x, const double *dt, const int32_t *kind, double *xmean, int32_t *ih, int32_t *info);
+void gyhstp_(const int32_t *ih, const double *z, double *x, int32_t *info);
+void gyhfrz_(const int32_t *ih, const int32_t *ifrz, int32_t *info);
+void gyhfre_(int32_t *ih);
 #ifdef __cplusplus
 }
 #endif
@@ -65,6 +70,7 @@ static void test_allan(void) {
     gyadev_(&n, x, &dt, &kind, &most, &nt, tau, dev, lower, upper, edf, &info);
     check(info == 0 && nt == gyroakf_allan_size(a), opt.kind);
     check(same(tau, gyroakf_allan_tau(a), nt) && same(dev, gyroakf_allan_deviation(a), nt), opt.kind);
+    if (kind == 1) check(gyroakf_allan_fit(a, NULL, &noise, NULL) == GYROAKF_OK, "the limits of the fit");
     check(same(lower, gyroakf_allan_lower(a), nt) && same(upper, gyroakf_allan_upper(a), nt), opt.kind);
     check(same(edf, gyroakf_allan_edf(a), nt), opt.kind);
   }
@@ -104,6 +110,48 @@ static void test_models(void) {
   for (i = 0; i < 50; i++) constant[i] = 1.0;
   gyarft_(&few, constant, &method, &most, &order, phi, &var, &mean, &info);
   check(info == GYROAKF_CONSTANT_INPUT, "GYARFT: a constant");
+}
+
+/* The cleaned series, and the filters that are made for it. */
+static void test_designed(void) {
+  static const char *const kinds[4] = {"kf", "akf", "drift_kf", "drift_akf"};
+  static double walk[samples];
+  double z[samples], expected[samples], mean, xmean, dt = 0.01, a, b;
+  int32_t ih[2], kind, none = 0, five = 5, line = 1, ten = 10, removed, i, on = 1;
+  gyroakf_outlier_options opt;
+  gyroakf_outliers figures;
+  gyroakf_filter *f;
+  for (i = 1; i < samples; i++) walk[i] = walk[i - 1] + 0.1 * (x[i] - 0.5);
+  for (i = 0; i < samples; i++) walk[i] += x[samples - 1 - i];
+  gyroakf_outlier_options_init(&opt);
+  opt.degree = 1;
+  gyclen_(&n, walk, &line, z, &removed, &info);
+  check(info == 0 && gyroakf_clean(walk, n, &opt, expected, &figures, NULL) == GYROAKF_OK, "GYCLEN");
+  check(same(z, expected, n) && removed == figures.removed, "GYCLEN");
+  gyclen_(&n, walk, &ten, z, &removed, &info);
+  check(info == -3, "GYCLEN: IDEG = 10");
+  for (kind = 1; kind <= 4; kind++) {
+    gyfdes_(&n, walk, &dt, &kind, &xmean, ih, &info);
+    check(info == 0 && gyroakf_filter_identify(kinds[kind - 1], walk, n, dt, NULL, &f, &mean, NULL) == GYROAKF_OK, "GYFDES");
+    check(xmean == mean, "GYFDES: XMEAN");
+    for (i = 0; i < samples; i++) {
+      const double sample = walk[i] - xmean;
+      gyhstp_(ih, &sample, &a, &info);
+      check(info == 0 && gyroakf_filter_step(f, sample, &b) == GYROAKF_OK && same(&a, &b, 1), "GYHSTP");
+      if (i == samples / 2) {
+        gyhfrz_(ih, &on, &info);
+        check(info == 0 && gyroakf_filter_freeze(f, 1) == GYROAKF_OK, "GYHFRZ");
+      }
+    }
+    gyroakf_filter_free(f);
+    gyhfre_(ih);
+    gyhstp_(ih, &dt, &a, &info);
+    check(info == -1, "GYHSTP: no filter");
+  }
+  gyfdes_(&n, walk, &dt, &five, &xmean, ih, &info);
+  check(info == -4 && ih[0] == 0 && ih[1] == 0, "GYFDES: KIND = 5");
+  gyfdes_(&none, walk, &dt, &line, &xmean, ih, &info);
+  check(info == -1, "GYFDES: N = 0");
 }
 
 /* Order p, adapting what `adapt` says, beside the C interface; with gaps, a part frozen, the state copied to another array. */
@@ -196,6 +244,7 @@ int main(void) {
   }
   test_allan();
   test_models();
+  test_designed();
   for (p = 1; p <= 3; p++) { /* of order 1 the library computes in another order: equal but for rounding */
     test_filter(p, fixed, p == 1 ? 1e-13 : 0.0);
     test_filter(p, all, p == 1 ? 1e-12 : 0.0);

@@ -222,7 +222,7 @@ static void test_noise(void) {
   static double x[20000];
   gyroakf_allan *a = NULL;
   gyroakf_fit_options opt;
-  gyroakf_noise noise;
+  gyroakf_noise noise, same;
   double before;
   nbs(x, 20000);
   check_success(gyroakf_allan_new(x, 20000, 1.0, NULL, &a, &err), "deviation of white noise");
@@ -237,6 +237,9 @@ static void test_noise(void) {
   check(!noise.k.detected && !noise.r.detected, "no random walk and no ramp");
   check(noise.points > 5 && noise.chi2_reduced > 0 && noise.chi2_reduced < 5, "points and chi-square");
   check(gyroakf_allan_upper(a)[3] == before, "the curve is not changed");
+  check_success(gyroakf_allan_fit(a, NULL, &same, &err), "fit with limits");
+  check(memcmp(&same.n, &noise.n, sizeof noise.n) == 0, "the same N");
+  check(gyroakf_allan_upper(a)[3] != before, "the curve has the limits of the fit");
   gyroakf_fit_options_init(&opt);
   opt.terms = "N";
   opt.tau_max = 100.0;
@@ -264,6 +267,8 @@ static void test_noise_failures(void) {
   gyroakf_fit_options_init(&opt);
   check_failure(gyroakf_noise_fit(NULL, NULL, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit of NULL");
   check_failure(gyroakf_noise_fit(a, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "fit into NULL");
+  check_failure(gyroakf_allan_fit(NULL, NULL, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit of NULL with limits");
+  check_failure(gyroakf_allan_fit(a, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "fit with limits into NULL");
   opt.terms = "NX";
   check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "unknown term");
   opt.terms = "QNBKRQNBKR";

@@ -80,6 +80,20 @@ static int mark_outliers(call *c) {
                                (gyroakf_outliers *)(void *)c->figures, &err);
 }
 
+static int clean(call *c) {
+  return gyroakf_clean(c->x, c->length, (const gyroakf_outlier_options *)c->opt, c->array[0],
+                       (gyroakf_outliers *)(void *)c->figures, &err);
+}
+
+static int filter_design(call *c) {
+  gyroakf_filter *f = (gyroakf_filter *)c;
+  const int status = gyroakf_filter_identify("akf", c->x, c->length, 0.01, (const gyroakf_run_options *)c->opt, &f,
+                                           (double *)(void *)c->figures, &err);
+  made(status, f);
+  gyroakf_filter_free(f);
+  return status;
+}
+
 static int adf_test(call *c) {
   return gyroakf_adf_test(c->x, c->length, (const gyroakf_adf_options *)c->opt, (gyroakf_adf *)(void *)c->figures, &err);
 }
@@ -174,21 +188,26 @@ static int simulate(call *c) {
   return status;
 }
 
+static const char *parsed = "0.1\n-2.5e-3\nnan\n7e22\n0.3\n"; /* a recording */
+
 static int record_parse(call *c) {
-  static const char text[] = "0.1\n-2.5e-3\nnan\n7e22\n0.3\n";
   gyroakf_record *r = (gyroakf_record *)c;
-  const int status = gyroakf_record_parse(text, (int64_t)sizeof text - 1, (const gyroakf_reader_options *)c->opt, &r, &err);
+  const int status = gyroakf_record_parse(parsed, (int64_t)strlen(parsed), (const gyroakf_reader_options *)c->opt, &r, &err);
   made(status, r);
   copy_record(r, c);
   return status;
 }
 
+static const double *recorded = filled; /* of the recording that is analyzed */
+static int64_t recorded_length = n;
+
 static int run(call *c) {
-  static const double *values[1] = {filled};
+  const double *values[1];
   gyroakf_record *r = NULL;
   gyroakf_result *result = (gyroakf_result *)c;
   int status;
-  if (gyroakf_record_new(values, 1, n, 0.01, NULL, "deg/s", &r, NULL) != GYROAKF_OK) abort();
+  values[0] = recorded;
+  if (gyroakf_record_new(values, 1, recorded_length, 0.01, NULL, "deg/s", &r, NULL) != GYROAKF_OK) abort();
   status = gyroakf_run(r, (const gyroakf_run_options *)c->opt, &result, &err);
   made(status, result);
   if (result != NULL) strncpy((char *)c->figures, gyroakf_result_json(result), 16000);
@@ -235,6 +254,8 @@ static const row table[] = {
     {"allan_new", allan_new, 1, 1, 0, OPTIONS(allan), 0},
     {"noise_fit", noise_fit, 0, 0, 0, OPTIONS(fit), 0},
     {"mark_outliers", mark_outliers, 1, 1, 0, OPTIONS(outlier), 40},
+    {"clean", clean, 1, 1, 1, OPTIONS(outlier), 40},
+    {"filter_design", filter_design, 1, 1, 0, OPTIONS(run), 0},
     {"adf_test", adf_test, 1, 1, 0, OPTIONS(adf), 0},
     {"kpss_test", kpss_test, 1, 1, 0, OPTIONS(kpss), 32},
     {"ar_fit", ar_fit, 1, 1, 1, OPTIONS(ar), 32},
@@ -574,7 +595,7 @@ static void test_flags_of_a_step(void) {
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-enum { many = 100000 };
+enum { many = 100000, channels = 60, steps = 2500 };
 
 /* Address space in bytes; 0 where that of a tool that watches the program hides it. */
 static size_t address_space(void) {
@@ -595,13 +616,24 @@ static void grow_stack(void) {
   for (k = 0; k < sizeof room; k += 1024) room[k] = 1;
 }
 
+/* The call with so many samples of a longer series; its results go to room. */
+static call long_call(const row *r, const double *longer, int64_t length, char *room) {
+  call c = usual_call(r, &now_written);
+  int i;
+  if (r->takes_series && r->call != filter_new) c.x = longer;
+  if (r->takes_series && r->takes_length) c.length = length;
+  for (i = 0; i < arrays; i++) c.array[i] = (double *)(void *)room + i * many;
+  c.figures = (unsigned char *)room + arrays * sizeof(double) * many;
+  return c;
+}
+
 /* The call by a process that has only so much more memory: 0 it is refused, 2 it succeeds, all else is no good end. */
 static int call_within(const row *r, call c, size_t bytes) {
   int status, code = 1;
   pid_t child;
   fflush(NULL);
   child = fork();
-  if (child < 0) return 2;
+  if (child < 0) return 1;
   if (child == 0) {
     struct rlimit limit;
     grow_stack();
@@ -619,14 +651,9 @@ static int call_within(const row *r, call c, size_t bytes) {
 /* The call with more and more memory, until that is enough. */
 static void within_limits(const row *r, const double *longer, char *room) {
   size_t bytes = 1 << 20;
-  int code = 0, i;
+  int code = 0;
   while (code == 0 && bytes < ((size_t)1 << 31)) {
-    call c = usual_call(r, &now_written);
-    c.x = longer;
-    c.length = many;
-    for (i = 0; i < arrays; i++) c.array[i] = (double *)(void *)room + i * many;
-    c.figures = (unsigned char *)room + arrays * sizeof(double) * many;
-    code = call_within(r, c, bytes);
+    code = call_within(r, long_call(r, longer, many, room), bytes);
     bytes += bytes / 4;
   }
   snprintf(what, sizeof what, "%s: within %lld bytes", r->name, (long long)bytes);
@@ -653,25 +680,86 @@ void test_memory(void) {
 
 /* ------------------------------------------------------------------------------------------------------- children and small stacks */
 
+static char *recording; /* of many columns, with stamps and a gap */
+
+static void make_columns(void) {
+  size_t used = 0;
+  int i, k;
+  recording = (char *)malloc(12 * steps * (channels + 1) + 1000);
+  if (recording == NULL) abort();
+  for (i = 0; i < steps; i++) {
+    used += (size_t)sprintf(recording + used, "%.2f", 0.01 * (i + (i > 900 ? 3 : 0)));
+    for (k = 0; k < channels; k++) used += (size_t)sprintf(recording + used, ",%.5f", series[(i + k) % n]);
+    recording[used++] = '\n';
+  }
+  recording[used] = '\0';
+}
+
+/* The recording as a file. */
+static int read_file(gyroakf_record **r) {
+  char path[] = "/tmp/gyroakf_XXXXXX";
+  const int file = mkstemp(path);
+  int status;
+  if (file < 0 || write(file, recording, strlen(recording)) != (ssize_t)strlen(recording) || close(file) != 0) abort();
+  status = gyroakf_record_read(path, NULL, r, &err);
+  unlink(path);
+  return status;
+}
+
+/* What the table has not: a file, all that a recording and a curve are asked for, a filter that is saved, restored and begun again, the
+ * smoother of white noise that changes. */
+static int others(call *c) {
+  const gyroakf_drift_model model = drift_model();
+  gyroakf_filter_options adaptive;
+  gyroakf_filter_state state;
+  gyroakf_audit audit;
+  gyroakf_record *r = NULL;
+  gyroakf_allan *a = NULL;
+  gyroakf_filter *f = NULL, *again = NULL;
+  double x;
+  int64_t size;
+  int status = read_file(&r), i;
+  gyroakf_filter_options_init(&adaptive);
+  adaptive.estimate_measurement_variance = 1;
+  audit.struct_size = sizeof audit;
+  status |= gyroakf_record_audit(r, &audit) | (audit.gaps != 1) | (gyroakf_record_channels(r) != channels);
+  for (i = 0; i < gyroakf_record_channels(r); i++) {
+    status |= gyroakf_record_name(r, i) == NULL || gyroakf_record_unit(r, i) == NULL || gyroakf_record_to_si(r, i) < 0;
+  }
+  for (i = 0; i < gyroakf_record_warnings(r); i++) status |= gyroakf_record_warning(r, i) == NULL;
+  status |= gyroakf_allan_new(c->x, c->length, 0.01, NULL, &a, &err) | (gyroakf_allan_tau(a)[0] <= 0);
+  status |= gyroakf_drift_filter_new(&model, &adaptive, &f, &err) | gyroakf_filter_run(f, c->x, c->length, c->array[0], &err);
+  status |= gyroakf_filter_freeze(f, 1) | gyroakf_filter_step(f, 1.0, &x) | gyroakf_filter_get(f, &state);
+  status |= gyroakf_filter_save(f, c->figures, 4096, &size, &err) | gyroakf_filter_restore(c->figures, size, &again, &err);
+  status |= gyroakf_filter_reset(f, &err);
+  status |= gyroakf_drift_smooth(&model, c->x, c->length, c->array[0], c->array[1], &adaptive, &err);
+  gyroakf_filter_free(f);
+  gyroakf_filter_free(again);
+  gyroakf_allan_free(a);
+  gyroakf_record_free(r);
+  return status;
+}
+
 static int call_status;
+static call of_child;
 
 static void *call_in_thread(void *argument) {
-  call c = usual_call((const row *)argument, &now_written);
-  call_status = ((const row *)argument)->call(&c);
+  call_status = ((const row *)argument)->call(&of_child);
   return NULL;
 }
 
 /* The status of a call by a forked child, in a thread of its own with so large a stack where that is not 0; -1: no good end. */
-static int status_of_child(const row *r, size_t stack) {
+static int status_of_child(const row *r, call c, size_t stack) {
   int status;
   pid_t child;
   fflush(NULL);
+  of_child = c;
   child = fork();
-  if (child < 0) return GYROAKF_OK;
+  if (child < 0) return -1;
   if (child == 0) {
     pthread_attr_t attributes;
     pthread_t thread;
-    alarm(60);
+    alarm(300);
     call_status = -1;
     if (stack == 0) {
       call_in_thread((void *)(uintptr_t)r);
@@ -688,26 +776,40 @@ static int status_of_child(const row *r, size_t stack) {
 
 /* Every call in a thread with a stack of 64 kB, and in a child of a process that has made parallel calls. */
 void test_children(void) {
-  const int threads = omp_get_max_threads();
+  static const row more = {"others", others, 1, 1, 0, NONE};
+  const int threads = omp_get_max_threads(), length = many / 5;
+  const char *usually = parsed;
   double *longer = (double *)malloc(many * sizeof *longer);
+  char *room = (char *)malloc(8 * sizeof(double) * many);
   gyroakf_allan *a = NULL;
   int k, i;
-  if (longer == NULL) abort();
+  if (longer == NULL || room == NULL) abort();
   make_series();
+  make_columns();
   for (i = 0; i < many; i++) longer[i] = series[i % n];
   omp_set_num_threads(2);
-  for (k = 0; k < rows && address_space() > 0; k++) {
-    snprintf(what, sizeof what, "%s: in a thread with a stack of 64 kB", table[k].name);
-    check(status_of_child(&table[k], 65536) == GYROAKF_OK, what);
+  recorded = longer;
+  recorded_length = length;
+  parsed = recording;
+  for (k = 0; k <= rows && address_space() > 0; k++) {
+    const row *r = k < rows ? &table[k] : &more;
+    snprintf(what, sizeof what, "%s: in a thread with a stack of 64 kB", r->name);
+    check(status_of_child(r, long_call(r, longer, length, room), 65536) == GYROAKF_OK, what);
   }
   check_success(gyroakf_allan_new(longer, many, 0.01, NULL, &a, &err), "a parallel call of the parent");
   gyroakf_allan_free(a);
-  for (k = 0; k < rows; k++) {
-    snprintf(what, sizeof what, "%s: in a forked child", table[k].name);
-    check(status_of_child(&table[k], 0) == GYROAKF_OK, what);
+  for (k = 0; k <= rows; k++) {
+    const row *r = k < rows ? &table[k] : &more;
+    snprintf(what, sizeof what, "%s: in a forked child", r->name);
+    check(status_of_child(r, long_call(r, longer, length, room), 0) == GYROAKF_OK, what);
   }
   omp_set_num_threads(threads);
+  recorded = filled;
+  recorded_length = n;
+  parsed = usually;
+  free(recording);
   free(longer);
+  free(room);
 }
 
 /* ------------------------------------------------------------------------------------------------------- one request that fails */
@@ -715,8 +817,6 @@ void test_children(void) {
 /* Of ci/faults/memory.c, where that is loaded. */
 extern void faults_begin(long number) __attribute__((weak));
 extern long faults_requests(void) __attribute__((weak));
-
-enum { channels = 60, steps = 2500 };
 
 /* The whole analysis of many channels. */
 static int run_channels(call *c) {
@@ -732,8 +832,6 @@ static int run_channels(call *c) {
   return status;
 }
 
-static char *recording; /* of many columns */
-
 static int parse_columns(call *c) {
   gyroakf_record *r = NULL;
   const int status = gyroakf_record_parse(recording, (int64_t)strlen(recording), NULL, &r, &err);
@@ -742,17 +840,12 @@ static int parse_columns(call *c) {
   return status;
 }
 
-static void make_columns(void) {
-  size_t used = 0;
-  int i, k;
-  recording = (char *)malloc(12 * steps * (channels + 1) + 1000);
-  if (recording == NULL) abort();
-  for (i = 0; i < steps; i++) {
-    used += (size_t)sprintf(recording + used, "%.2f", 0.01 * (i + (i > 900 ? 3 : 0)));
-    for (k = 0; k < channels; k++) used += (size_t)sprintf(recording + used, ",%.5f", series[(i + k) % n]);
-    recording[used++] = '\n';
-  }
-  recording[used] = '\0';
+static int read_columns(call *c) {
+  gyroakf_record *r = NULL;
+  const int status = read_file(&r);
+  (void)c;
+  gyroakf_record_free(r);
+  return status;
 }
 
 /* A call by a child whose request of that number fails: 0 there were fewer, 1 refused for want of memory, 2 it went on, else no good end. */
@@ -761,7 +854,7 @@ static int call_without(const row *r, call c, long number) {
   pid_t child;
   fflush(NULL);
   child = fork();
-  if (child < 0) return 0;
+  if (child < 0) return 4;
   if (child == 0) {
     alarm(60);
     lost = 0;
@@ -778,7 +871,9 @@ static int call_without(const row *r, call c, long number) {
 
 /* Every large request of a call fails once; of many channels those of the first and some. */
 void test_faults(void) {
-  static const row more[] = {{"run of 60 channels", run_channels, 1, 0, 0, NONE}, {"60 columns", parse_columns, 1, 0, 0, NONE}};
+  static const row more[] = {{"run of 60 channels", run_channels, 1, 0, 0, NONE},
+                             {"60 columns", parse_columns, 1, 0, 0, NONE},
+                             {"60 columns of a file", read_columns, 1, 0, 0, NONE}};
   double *longer = (double *)malloc(many * sizeof *longer);
   char *room = (char *)malloc(8 * sizeof(double) * many);
   long number, step;
@@ -788,16 +883,12 @@ void test_faults(void) {
   make_columns();
   omp_set_num_threads(1);
   for (i = 0; i < many; i++) longer[i] = series[i % n] + 1e-6 * i;
-  for (k = 0; k < rows + 2; k++) {
+  for (k = 0; k < rows + 3; k++) {
     const row *r = k < rows ? &table[k] : &more[k - rows];
     tried = went_on = 0;
     step = 1;
     for (number = 1; number < 100000; number += step) {
-      call c = usual_call(r, &now_written);
-      if (r->takes_series && r->call != filter_new) c.x = longer;
-      if (r->takes_series && r->takes_length) c.length = many / 5;
-      for (i = 0; i < arrays; i++) c.array[i] = (double *)(void *)room + i * many;
-      c.figures = (unsigned char *)room + arrays * sizeof(double) * many;
+      call c = long_call(r, longer, many / 5, room);
       code = call_without(r, c, number);
       if (code == 0) break;
       snprintf(what, sizeof what, "%s: large request %ld fails", r->name, number);

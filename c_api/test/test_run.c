@@ -171,6 +171,115 @@ static void test_arrays(void) {
   check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, "deg", &r, &err), GYROAKF_INVALID_ARGUMENT, "unit of an angle");
 }
 
+/* The number behind the names, one after the other, in a document. */
+static double number_of(const char *json, const char *const *names) {
+  for (; *names != NULL && json != NULL; names++) {
+    json = strstr(json, *names);
+    if (json != NULL) json += strlen(*names);
+  }
+  return json != NULL ? strtod(json, NULL) : NAN;
+}
+
+/* A filter that is made for the series does what that of the document did. */
+static void test_designed(const char *json, const double *x, int64_t n, double dt, const char *kind) {
+  static const char *const members[] = {"\"variance\": ", "\"q\": ", "\"r\": "};
+  char group[20];
+  const char *names[4] = {"\"filters\": {", NULL, NULL, NULL};
+  const int drift = strncmp(kind, "drift", 5) == 0;
+  double *z = (double *)malloc((size_t)n * sizeof *z), mean = 0, sum = 0, squares = 0, found[3], known;
+  gyroakf_outlier_options opt;
+  gyroakf_filter *f = NULL;
+  gyroakf_filter_state state;
+  int64_t i, count = 0;
+  if (z == NULL) abort();
+  gyroakf_outlier_options_init(&opt);
+  if (drift) opt.degree = -1;
+  check_success(gyroakf_clean(x, n, &opt, z, NULL, &err), "the series that is filtered");
+  check_success(gyroakf_filter_identify(kind, x, n, dt, NULL, &f, &mean, &err), kind);
+  for (i = 0; i < n; i++) z[i] -= mean;
+  check(gyroakf_filter_get(f, &state) == GYROAKF_OK && state.steps == 0, "it has made no step");
+  for (i = 0; i < n; i++) {
+    const int missing = isnan(z[i]);
+    double estimate = 0;
+    if (gyroakf_filter_step(f, z[i], &estimate) != GYROAKF_OK) break;
+    if (missing) continue;
+    count++;
+    sum += estimate;
+    squares += estimate * estimate;
+  }
+  check(gyroakf_filter_get(f, &state) == GYROAKF_OK && state.steps == n, kind);
+  found[0] = squares / (double)count - sum / (double)count * (sum / (double)count);
+  found[1] = state.q;
+  found[2] = state.r;
+  sprintf(group, "\"%s\": {", kind);
+  names[1] = group;
+  for (i = 0; i < 3; i++) {
+    names[2] = members[i];
+    known = number_of(json, names);
+    check(fabs(found[i] - known) <= (i == 0 ? 2.0 / (double)count : 1e-13) * known, members[i]);
+  }
+  gyroakf_filter_free(f);
+  free(z);
+}
+
+/* Limits of a curve, cleaning and filters of C are those of the whole job. */
+static void test_one_truth(double missing) {
+  static const char *const kinds[] = {"kf", "akf", "drift_kf", "drift_akf"};
+  static const char *const curve[] = {"\"allan\": {", "\"input\": {", "\"edf\": [", NULL},
+                    *const limit[] = {"\"allan\": {", "\"input\": {", "\"upper\": [", NULL},
+                    *const variance[] = {"\"preprocess\": {", "\"trend\": {", "\"variance\": ", NULL};
+  gyroakf_simulate_options sim;
+  gyroakf_record *r = NULL;
+  gyroakf_result *result = NULL;
+  gyroakf_allan *a = NULL;
+  gyroakf_noise noise;
+  gyroakf_outliers figures;
+  gyroakf_filter *f = (gyroakf_filter *)&sim;
+  const char *json;
+  const double *x;
+  double cleaned[100], mean, before;
+  int k;
+  gyroakf_simulate_options_init(&sim);
+  sim.samples = 6000;
+  sim.rate_hz = 50;
+  sim.n = 0.01;
+  sim.k = 0.004;
+  sim.outliers = 10;
+  sim.outlier_size = 20;
+  sim.offset = 3;
+  sim.missing = missing;
+  check_success(gyroakf_simulate(&sim, &r, &err), "a recording with a drift");
+  check_success(gyroakf_run(r, NULL, &result, &err), "the whole job");
+  json = gyroakf_result_json(result);
+  x = gyroakf_record_values(r, 0);
+  if (json == NULL || x == NULL) abort();
+  check_success(gyroakf_allan_new(x, 6000, 0.02, NULL, &a, &err), "its curve");
+  before = gyroakf_allan_edf(a)[0];
+  check(fabs(gyroakf_allan_edf(a)[0] / number_of(json, curve) - 1) > 1e-6, "limits of the noise type");
+  check_success(gyroakf_allan_fit(a, NULL, &noise, &err), "its coefficients");
+  check(gyroakf_allan_edf(a)[0] == number_of(json, curve), "degrees of freedom of the noise");
+  check(gyroakf_allan_upper(a)[0] == number_of(json, limit) && gyroakf_allan_edf(a)[0] != before, "limits of the noise");
+  gyroakf_allan_free(a);
+  for (k = 0; k < 4; k++) test_designed(json, x, 6000, 0.02, kinds[k]);
+  memcpy(cleaned, x, sizeof cleaned);
+  check_success(gyroakf_mark_outliers(x, 100, NULL, (int8_t *)cleaned, &figures, &err), "marks");
+  before = figures.variance;
+  check_success(gyroakf_clean(x, 100, NULL, cleaned, &figures, &err), "a part of the series");
+  check(figures.variance == before && fabs(figures.variance / number_of(json, variance) - 1) < 1, "the same figures");
+  check_failure(gyroakf_filter_identify("kalman", x, 6000, 0.02, NULL, &f, &mean, &err), GYROAKF_INVALID_ARGUMENT, "no such kind");
+  check(f == NULL, "*out is NULL after a failure");
+  check_failure(gyroakf_filter_identify(NULL, x, 6000, 0.02, NULL, &f, &mean, &err), GYROAKF_INVALID_ARGUMENT, "kind NULL");
+  check_failure(gyroakf_filter_identify("kf", x, 6000, 0.0, NULL, &f, &mean, &err), GYROAKF_INVALID_ARGUMENT, "no interval");
+  check_failure(gyroakf_filter_identify("kf", x, 6000, 0.02, NULL, &f, NULL, &err), GYROAKF_INVALID_ARGUMENT, "mean NULL");
+  check_failure(gyroakf_filter_identify("kf", x, 6000, 0.02, NULL, NULL, &mean, &err), GYROAKF_INVALID_ARGUMENT, "out NULL");
+  check_failure(gyroakf_filter_identify("kf", x, 5, 0.02, NULL, &f, &mean, &err), GYROAKF_TOO_FEW_SAMPLES, "five samples");
+  for (k = 0; k < 100; k++) cleaned[k] = 1;
+  check_failure(gyroakf_filter_identify("kf", cleaned, 100, 0.02, NULL, &f, &mean, &err), GYROAKF_CONSTANT_INPUT, "a constant");
+  check_any_failure(gyroakf_filter_identify("drift_kf", cleaned, 100, 0.02, NULL, &f, &mean, &err), "no drift");
+  gyroakf_result_free(result);
+  gyroakf_record_free(r);
+}
+
 void test_run(void) {
   gyroakf_run_options opt;
   gyroakf_result *result = (gyroakf_result *)&opt;
@@ -180,6 +289,8 @@ void test_run(void) {
   test_job(0.0);
   test_job(0.05);
   test_arrays();
+  test_one_truth(0.0);
+  test_one_truth(0.03);
   check_failure(gyroakf_run(NULL, NULL, &result, &err), GYROAKF_INVALID_ARGUMENT, "recording NULL");
   check(result == NULL, "*out is NULL after a failure");
   check_success(gyroakf_record_parse("1\n2\n3\n", 6, NULL, &r, &err), "three samples");

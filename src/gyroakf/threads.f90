@@ -4,7 +4,7 @@ module gyroakf_threads
    !$ use omp_lib, only : omp_get_max_threads, omp_set_num_threads
    implicit none (type, external)
    private
-   public :: thread_count, set_thread_count
+   public :: thread_count, set_thread_count, use_one_thread
 
 contains
 
@@ -22,5 +22,10 @@ contains
       if (threads < 1) return
       !$ call omp_set_num_threads(threads)
    end subroutine set_thread_count
+
+   !> One thread, for a forked child: called by host.c.
+   subroutine use_one_thread() bind(C, name="one_thread_of_gyroakf")
+      call set_thread_count(1)
+   end subroutine use_one_thread
 
 end module gyroakf_threads

@@ -54,9 +54,11 @@ contains
    end function sequence_length
 
    !> Makes text that can be shown: control characters become question marks, and what is not UTF-8 is taken as Latin-1.
-   pure subroutine make_readable(text)
+   pure subroutine make_readable(text, lines)
       !> Any bytes; afterwards UTF-8 without control characters
       character(:), allocatable, intent(inout) :: text
+      !> Present: line feeds stay
+      logical, intent(in), optional :: lines
       character(:), allocatable :: shown
       integer :: code, filled, i, length
 
@@ -73,7 +75,7 @@ contains
          if (length == 0 .and. code >= 160) then
             shown(filled + 1:filled + 2) = achar(192 + code/64)//achar(128 + modulo(code, 64))
             filled = filled + 2
-         else if (code < 32 .or. code == 127 .or. length == 0) then
+         else if ((code < 32 .or. code == 127 .or. length == 0) .and. .not. (code == 10 .and. present(lines))) then
             shown(filled + 1:filled + 1) = "?"
             filled = filled + 1
          else

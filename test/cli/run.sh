@@ -6,7 +6,7 @@
 set -u
 [ $# -ge 1 ] && [ -x "$1" ] || { echo "usage: $0 PATH-OF-THE-BINARY [PART]" >&2; exit 1; }
 parts=(memory terminal progress output determinism zoo many selftest truth figures formats reading odd page writing usage config malformed
-   manual time names layouts)
+   manual time names layouts hostile)
 if [ $# -lt 2 ]; then
    said=$(printf '%s\n' "${parts[@]}" | xargs -P 2 -n 1 "$0" "$1")
    grep -vE '^[0-9]+ passed, [0-9]+ failed$' <<<"$said"

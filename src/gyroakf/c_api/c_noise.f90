@@ -10,7 +10,7 @@ module gyroakf_c_api_c_noise
       & check_struct_size, take_text
    implicit none (type, external)
    private
-   public :: gyroakf_fit_options_init, gyroakf_noise_fit
+   public :: gyroakf_fit_options_init, gyroakf_noise_fit, gyroakf_allan_fit
 
    !> `gyroakf_fit_options`
    type, bind(C) :: fit_options_c
@@ -56,32 +56,58 @@ contains
       type(call_type) :: c
       type(noise_options) :: options
       type(noise_type) :: noise
-      type(allan_curve_type), allocatable :: curve
+      type(allan_curve_type), pointer :: curve
+      type(allan_curve_type), allocatable :: copy
       type(error_type), allocatable :: error
+      integer :: stat
 
       call enter_library(c)
-      call copy_curve(a, present(out), curve, error)
-      if (.not. allocated(error)) call read_options(options, error, opt)
-      if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
+      call open_curve(a, present(out), curve, options, error, opt)
+      if (.not. allocated(error)) then
+         allocate (copy, source=curve, stat=stat)
+         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a deviation curve")
+      end if
+      if (.not. allocated(error)) call fit_noise(copy, options, noise, error)
       if (.not. allocated(error)) call write_noise(noise, out)
       gyroakf_noise_fit = leave_library(c, error, err)
    end function gyroakf_noise_fit
 
-   !> The curve of a handle, which the fit may change.
-   subroutine copy_curve(a, has_out, curve, error)
+   !> `gyroakf_allan_fit`
+   integer(c_int) function gyroakf_allan_fit(a, opt, out, err) bind(C, name="gyroakf_allan_fit")
+      type(c_ptr), intent(in), value :: a
+      type(fit_options_c), intent(in), optional :: opt
+      type(noise_c), intent(inout), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(call_type) :: c
+      type(noise_options) :: options
+      type(noise_type) :: noise
+      type(allan_curve_type), pointer :: curve
+      type(error_type), allocatable :: error
+
+      call enter_library(c)
+      call open_curve(a, present(out), curve, options, error, opt)
+      if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
+      if (.not. allocated(error)) call write_noise(noise, out)
+      gyroakf_allan_fit = leave_library(c, error, err)
+   end function gyroakf_allan_fit
+
+   !> The curve of a handle, and the options.
+   subroutine open_curve(a, has_out, curve, options, error, opt)
       type(c_ptr), intent(in) :: a
       logical, intent(in) :: has_out
-      type(allan_curve_type), allocatable, intent(out) :: curve
+      type(allan_curve_type), pointer, intent(out) :: curve
+      type(noise_options), intent(out) :: options
       type(error_type), allocatable, intent(out) :: error
-      type(allan_curve_type), pointer :: given
+      type(fit_options_c), intent(in), optional :: opt
 
-      if (.not. c_associated(a) .or. .not. has_out) then
+      nullify (curve)
+      if (c_associated(a) .and. has_out) then
+         call c_f_pointer(a, curve)
+         call read_options(options, error, opt)
+      else
          call fatal_error(error, status%invalid_argument, "the curve and the place for the result must not be NULL")
-         return
       end if
-      call c_f_pointer(a, given)
-      allocate (curve, source=given)
-   end subroutine copy_curve
+   end subroutine open_curve
 
    !> Options of C into options of the library; the defaults where they are absent.
    subroutine read_options(options, error, opt)

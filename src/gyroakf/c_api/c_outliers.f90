@@ -1,18 +1,19 @@
 ! SPDX-License-Identifier: MIT
-!> C: the marks of outliers. What the function promises is said in c_api/include/gyroakf.h.
+!> C: outliers, and the series without them and its trend. What the functions promise is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_outliers
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int32_t, c_int64_t, &
       & c_double, c_size_t, c_null_ptr, c_associated, c_f_pointer, c_sizeof
+   use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : error_type
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_c_api_c_host, only : progress_c, callback_type
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
       & check_struct_size, check_place, check_finite, take_text, open_series
-   use gyroakf_c_api_c_places, only : check_apart
+   use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
-   public :: gyroakf_outlier_options_init, gyroakf_mark_outliers
+   public :: gyroakf_outlier_options_init, gyroakf_mark_outliers, gyroakf_clean, outlier_options_c, outliers_c
 
    !> `gyroakf_outlier_options`
    type, bind(C) :: outlier_options_c
@@ -53,23 +54,79 @@ contains
       type(outliers_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(clean_options) :: options
       type(clean_type) :: result
-      real(dp), allocatable :: cleaned(:)
+      real(dp), allocatable :: series(:)
       integer(int8), allocatable :: mask(:)
+      integer(c_int8_t), pointer :: marks(:)
       type(error_type), allocatable :: error
 
       call enter_library(c)
       call check_place(c_associated(inlier), "marks", error)
-      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
-      call open_series(x, n, c, error)
-      call check_apart([x, inlier], [8*n, n], error)
-      if (.not. allocated(error)) call clean_series(c%x, options, cleaned, mask, result, error, c%valid, &
-         & c%callback)
-      call check_finite([result%expected, result%threshold, result%mean, result%variance, result%corrected_variance], error)
-      if (.not. allocated(error)) call write_marks(n, inlier, mask, result, out)
+      call clean(c, x, n, inlier, n, series, mask, result, error, opt)
+      if (.not. allocated(error)) then
+         call c_f_pointer(inlier, marks, [n])
+         marks(:) = 1_c_int8_t
+         if (allocated(mask)) marks(:) = mask
+         if (present(out)) out = figures_of(result)
+      end if
       gyroakf_mark_outliers = leave_library(c, error, err)
    end function gyroakf_mark_outliers
+
+   !> `gyroakf_clean`
+   integer(c_int) function gyroakf_clean(x, n, opt, cleaned, out, err) bind(C, name="gyroakf_clean")
+      type(c_ptr), intent(in), value :: x, cleaned
+      integer(c_int64_t), intent(in), value :: n
+      type(outlier_options_c), intent(in), optional :: opt
+      type(outliers_c), intent(inout), optional :: out
+      type(error_c), intent(out), optional :: err
+      type(call_type) :: c
+      type(clean_type) :: result
+      real(dp), allocatable :: series(:)
+      integer(int8), allocatable :: mask(:)
+      real(c_double), pointer :: output(:)
+      integer(c_int64_t) :: i
+      type(error_type), allocatable :: error
+
+      call enter_library(c)
+      call check_place(c_associated(cleaned), "cleaned series", error)
+      call check_aligned(cleaned, error)
+      call clean(c, x, n, cleaned, 8*n, series, mask, result, error, opt)
+      if (.not. allocated(error)) call check_finite(series, error)
+      if (.not. allocated(error)) then
+         call c_f_pointer(cleaned, output, [n])
+         output(:) = series
+         do i = 1, n
+            if (.not. allocated(mask)) exit
+            if (mask(i) == 0_int8) output(i) = ieee_value(output(i), ieee_quiet_nan)
+         end do
+         if (present(out)) out = figures_of(result)
+      end if
+      gyroakf_clean = leave_library(c, error, err)
+   end function gyroakf_clean
+
+   !> Checks what C has given, and cleans the series.
+   subroutine clean(c, x, n, place, bytes, series, mask, result, error, opt)
+      type(call_type), intent(inout) :: c
+      type(c_ptr), intent(in) :: x
+      integer(c_int64_t), intent(in) :: n
+      !> Where results go, and how long they are
+      type(c_ptr), intent(in) :: place
+      integer(c_int64_t), intent(in) :: bytes
+      !> As [[clean_series]]
+      real(dp), allocatable, intent(out) :: series(:)
+      integer(int8), allocatable, intent(out) :: mask(:)
+      type(clean_type), intent(out) :: result
+      type(error_type), allocatable, intent(inout) :: error
+      type(outlier_options_c), intent(in), optional :: opt
+      type(clean_options) :: options
+
+      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
+      call open_series(x, n, c, error)
+      call check_apart([x, place], [8*n, bytes], error)
+      if (allocated(error)) return
+      call clean_series(c%x, options, series, mask, result, error, c%valid, c%callback)
+      call check_finite([result%expected, result%threshold, result%mean, result%variance, result%corrected_variance], error)
+   end subroutine clean
 
    !> Options of C into options of the library; the defaults where they are absent.
    subroutine read_options(options, callback, error, opt)
@@ -89,24 +146,12 @@ contains
       if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress)
    end subroutine read_options
 
-   !> The marks and the figures in C's arguments.
-   subroutine write_marks(n, inlier, mask, result, out)
-      integer(c_int64_t), intent(in) :: n
-      type(c_ptr), intent(in) :: inlier
-      integer(int8), intent(in), allocatable :: mask(:)
+   !> The figures in C's struct.
+   pure type(outliers_c) function figures_of(result)
       type(clean_type), intent(in) :: result
-      type(outliers_c), intent(inout), optional :: out
-      integer(c_int8_t), pointer :: marks(:)
 
-      call c_f_pointer(inlier, marks, [n])
-      if (allocated(mask)) then
-         marks(:) = mask
-      else
-         marks(:) = 1_c_int8_t
-      end if
-      if (.not. present(out)) return
-      out = outliers_c(result%removed, result%expected, result%threshold, result%mean, result%variance, &
+      figures_of = outliers_c(result%removed, result%expected, result%threshold, result%mean, result%variance, &
          & result%corrected_variance, int(result%passes, c_int32_t), merge(1_c_int32_t, 0_c_int32_t, result%converged))
-   end subroutine write_marks
+   end function figures_of
 
 end module gyroakf_c_api_c_outliers

@@ -21,6 +21,7 @@ module gyroakf_c_api_c_run
    private
    public :: gyroakf_run_options_init, gyroakf_run, gyroakf_result_json, gyroakf_result_free, gyroakf_simulate_options_init, &
       & gyroakf_simulate
+   public :: run_options_c, read_options
 
    !> `gyroakf_run_options`
    type, bind(C) :: run_options_c

@@ -90,34 +90,13 @@ contains
          err%code = leave_library
          err%message(:) = c_null_char
          if (allocated(error)) then
-            call make_lines_readable(error%message, message)
+            message = error%message
+            call make_readable(message, lines=.true.)
             call copy_text(message, err%message)
          end if
       end if
       call restore(c%environment)
    end function leave_library
-
-   !> A message whose every line can be shown: what it repeats of the caller's texts may be any bytes.
-   pure subroutine make_lines_readable(given, message)
-      character(*), intent(in) :: given
-      character(:), allocatable, intent(out) :: message
-      character(:), allocatable :: line
-      integer :: first, length
-
-      message = ""
-      first = 1
-      do
-         length = index(given(first:), new_line("a")) - 1
-         if (length < 0) exit
-         line = given(first:first + length - 1)
-         call make_readable(line)
-         message = message//line//new_line("a")
-         first = first + length + 1
-      end do
-      line = given(first:)
-      call make_readable(line)
-      message = message//line
-   end subroutine make_lines_readable
 
    !> Copies a text of UTF-8, cut at a whole character where it is too long for the array and its final NUL.
    pure subroutine copy_text(text, array)

@@ -72,11 +72,7 @@ void gyroakf_host_end_step(const int64_t environment[64]) { gyroakf_host_restore
  */
 #if defined(__unix__) && defined(__GNUC__)
 #include <pthread.h>
-extern void omp_set_num_threads(int threads) __attribute__((weak)); /* not there without OpenMP */
+extern void one_thread_of_gyroakf(void);
 
-static void in_child(void) {
-  if (omp_set_num_threads) omp_set_num_threads(1);
-}
-
-__attribute__((constructor)) static void watch_forks(void) { pthread_atfork(NULL, NULL, in_child); }
+__attribute__((constructor)) static void watch_forks(void) { pthread_atfork(NULL, NULL, one_thread_of_gyroakf); }
 #endif

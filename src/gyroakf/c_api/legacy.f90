@@ -42,7 +42,8 @@ contains
       type(call_type) :: c
       type(allan_options) :: options
       type(allan_curve_type) :: curve
-      type(error_type), allocatable :: error
+      type(noise_type) :: noise
+      type(error_type), allocatable :: error, unfitted
 
       info = 0
       nt = 0
@@ -54,6 +55,7 @@ contains
       call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
       if (.not. allocated(error)) call compute_allan(c%x, dt, options, curve, error, c%valid)
       if (.not. allocated(error)) then
+         if (curve%kind == "oadev") call fit_noise(curve, noise_options(), noise, unfitted)
          nt = size(curve%tau)
          if (nt > maxt) then
             info = -5

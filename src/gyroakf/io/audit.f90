@@ -8,7 +8,7 @@ module gyroakf_io_audit
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_extremes, only : scan_extremes
-   use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence
+   use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence, new_steps, steps_type
    use gyroakf_io_losses, only : add_gap, find_losses, gap_type
    use gyroakf_io_loss_pattern, only : explain_losses
    use gyroakf_io_rate_changes, only : find_changes
@@ -25,16 +25,19 @@ module gyroakf_io_audit
 contains
 
    !> Counts what the stamps show and finds the gaps.
-   subroutine audit_stamps(t, audit, gaps, rate_hz)
+   subroutine audit_stamps(t, audit, gaps, error, rate_hz)
       !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not filled
       real(dp), intent(inout), contiguous :: t(:)
       !> What they show: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample indices
       type(audit_type), intent(inout) :: audit
       !> Where samples were lost
       type(gap_type), intent(out) :: gaps
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
       !> Sample rate that was given, which decides between two that explain the stamps equally well, Hz; 0 (also if absent): none
       real(dp), intent(in), optional :: rate_hz
       type(cadence_type) :: whole
+      type(steps_type) :: work
       integer(int64) :: n, change(most_changes), lost
       integer :: changes
       real(dp) :: steps(most_changes + 1), given
@@ -46,12 +49,14 @@ contains
       allocate (audit%line_of_first(3), source=0_int64)
       allocate (gaps%before(16), gaps%length(16))
       if (n < 2) return
-      call find_cadence(t, whole)
+      call new_steps(work, error)
+      if (allocated(error)) return
+      call find_cadence(t, work, whole)
       call count_steps(t, whole%step, audit)
       if (whole%step <= 0.0_dp) return
       audit%resolution = whole%resolution
-      call find_changes(t, change, steps, changes)
-      call audit_stretches(t, whole, change(:changes), given, audit, gaps)
+      call find_changes(t, work, change, steps, changes)
+      call audit_stretches(t, work, whole, change(:changes), given, audit, gaps)
       audit%gaps = gaps%count + gaps%jumps
       audit%jumps = gaps%jumps
       audit%rate_changes = changes
@@ -70,8 +75,9 @@ contains
    end subroutine audit_stamps
 
    !> Finds the losses in each stretch of one rate; jumps that are too long to be filled are taken out of the stamps.
-   subroutine audit_stretches(t, whole, change, given, audit, gaps)
+   subroutine audit_stretches(t, work, whole, change, given, audit, gaps)
       real(dp), intent(inout), contiguous :: t(:)
+      type(steps_type), intent(inout) :: work
       type(cadence_type), intent(in) :: whole
       integer(int64), intent(in) :: change(:)
       real(dp), intent(in) :: given
@@ -90,7 +96,7 @@ contains
          if (k < size(change)) last = change(k + 1) - 1
          if (last <= first) cycle
          cadence = whole
-         if (size(change) > 0) call find_cadence(t(first:last), cadence)
+         if (size(change) > 0) call find_cadence(t(first:last), work, cadence)
          if (cadence%step <= 0.0_dp) cycle
          part%jumps = 0
          part%first_jump = 0

@@ -7,12 +7,12 @@
 !> of several maxima of about the same height the lowest counts (the others are its harmonics).
 module gyroakf_io_cadence
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : audit_type
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
-   public :: cadence_type, find_cadence, find_step, count_bursts, sorted, median_of
+   public :: cadence_type, steps_type, new_steps, find_cadence, find_step, count_bursts, sorted, median_of
 
    !> How samples come
    type :: cadence_type
@@ -27,71 +27,104 @@ module gyroakf_io_cadence
    end type cadence_type
 
    !> Steps looked at for the resolution
-   integer, parameter :: resolution_steps = 1001
-   !> The histogram: 32 bins an octave from 2^-32 s to 2^32 s; what lies outside is in the outermost bins
-   integer, parameter :: mantissa_bits = 5, octaves = 64, bins = octaves*2**mantissa_bits
+   integer, parameter :: resolution_steps = 4001
+   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost bins
+   integer, parameter :: mantissa_bits = 5, octaves = 80, bins = octaves*2**mantissa_bits
    !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of those tried
    real(dp), parameter :: lowest_rate = 0.9_dp, highest_rate = 3.4_dp, rate_distance = 0.02_dp
    !> Steps at least so coherent are those of an even grid; harmonics that are no more than this much higher do not count
    real(dp), parameter :: least_coherence = 0.18_dp, harmonic_share = 0.9_dp
 
+   !> Work space, not on the stack of the caller, which may be small
+   type :: steps_type
+      !> Sum and number of the steps of each bin of the histogram, and some of the steps
+      real(dp), allocatable :: total(:), some(:)
+      integer(int64), allocatable :: number(:)
+   end type steps_type
+
 contains
 
+   !> Work space for any number of calls.
+   subroutine new_steps(steps, error)
+      !> Made
+      type(steps_type), intent(out) :: steps
+      !> no_memory
+      type(error_type), allocatable, intent(out) :: error
+      integer :: stat
+
+      allocate (steps%total(bins), stat=stat)
+      if (stat == 0) allocate (steps%number(bins), stat=stat)
+      if (stat == 0) allocate (steps%some(resolution_steps), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a histogram of time steps")
+   end subroutine new_steps
+
    !> The cadence of a series of stamps.
-   subroutine find_cadence(t, cadence)
+   subroutine find_cadence(t, steps, cadence)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
+      !> Work space
+      type(steps_type), intent(inout) :: steps
       !> The cadence
       type(cadence_type), intent(out) :: cadence
-      real(dp) :: step(resolution_steps), rounding
+      type(error_type), allocatable :: failed
+      real(dp) :: rounding
       real(dp), parameter :: golden = 0.6180339887498949_dp
       integer(int64) :: i, n
       integer :: k, m
 
-      call find_step(t, cadence)
+      call find_step(t, steps, cadence)
       n = size(t, kind=int64)
       if (cadence%step <= 0.0_dp) return
       m = int(min(int(resolution_steps, int64), n - 1))
       do k = 1, m
          i = k + 1
          if (m < n - 1) i = 2 + int(modulo(k*golden, 1.0_dp)*real(n - 1, dp), int64)
-         step(k) = t(i) - t(i - 1)
+         steps%some(k) = t(i) - t(i - 1)
       end do
-      step(:m) = sorted(step(:m))
-      rounding = 1.0e-4_dp*max(step((m + 1)/2), 0.1_dp*cadence%step)
-      cadence%resolution = smallest_difference(step(:m), rounding)
+      associate (step => steps%some(:m))
+         call sort_values(step, failed)
+         rounding = 1.0e-4_dp*max(step((m + 1)/2), 0.1_dp*cadence%step)
+         cadence%resolution = smallest_difference(step, rounding)
+      end associate
       if (cadence%resolution <= 0.3_dp*cadence%step) return
       if (min(cadence%short, cadence%long) > 0.002_dp) call use_mean(t, cadence)
    end subroutine find_cadence
 
    !> The interval alone, and whether the stamps are regular.
-   subroutine find_step(t, cadence)
+   subroutine find_step(t, steps, cadence)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
+      !> Work space
+      type(steps_type), intent(inout) :: steps
       !> Its resolution stays 0
       type(cadence_type), intent(out) :: cadence
-      real(dp) :: total(bins)
-      real(dp), allocatable :: weight(:)
-      integer(int64) :: number(bins), i, flat
-      integer :: bin
+      integer(int64) :: i, flat
+      integer :: bin, used
       real(dp) :: step
 
-      total(:) = 0.0_dp
-      number(:) = 0
+      steps%total(:) = 0.0_dp
+      steps%number(:) = 0
       flat = 0
       do i = 2, size(t, kind=int64)
          step = t(i) - t(i - 1)
          if (step > 0.0_dp) then
             bin = bin_of(step)
-            total(bin) = total(bin) + step
-            number(bin) = number(bin) + 1
+            steps%total(bin) = steps%total(bin) + step
+            steps%number(bin) = steps%number(bin) + 1
          else
             flat = flat + 1
          end if
       end do
-      if (all(number == 0)) return
-      weight = pack(real(number, dp), number > 0)
-      call choose_step(pack(total, number > 0)/weight, weight, real(flat, dp), cadence)
+      used = 0
+      do bin = 1, bins
+         if (steps%number(bin) == 0) cycle
+         used = used + 1
+         steps%total(used) = steps%total(bin)/real(steps%number(bin), dp)
+         steps%number(used) = steps%number(bin)
+      end do
+      if (used == 0) return
+      steps%some(:used) = real(steps%number(:used), dp)
+      call choose_step(steps%total(:used), steps%some(:used), real(flat, dp), cadence)
       if (.not. cadence%regular) call use_mean(t, cadence)
    end subroutine find_step
 

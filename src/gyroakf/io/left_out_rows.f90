@@ -8,7 +8,7 @@ module gyroakf_io_left_out_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_cadence, only : cadence_type, find_step
+   use gyroakf_io_cadence, only : cadence_type, find_step, new_steps, steps_type
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
@@ -42,8 +42,8 @@ contains
          return
       end if
       keep(:) = .true.
-      if (without > 0) call place_untimed(t, value, keep, audit)
-      if (size(t) == 0) return
+      if (without > 0) call place_untimed(t, value, keep, audit, error)
+      if (allocated(error) .or. size(t) == 0) return
       if (any_repeats(t, value)) call find_repeats(t, value, keep, audit)
       if (all(keep)) return
       dropped = pack([(i, i=1, n)], .not. keep)
@@ -71,12 +71,14 @@ contains
    end subroutine keep_rows
 
    !> Lets rows without a time fill the places between their neighbors, where they are as many; the others are not kept.
-   subroutine place_untimed(t, value, keep, audit)
+   subroutine place_untimed(t, value, keep, audit, error)
       real(dp), allocatable, intent(inout) :: t(:)
       real(dp), intent(in), contiguous :: value(:, :)
       logical, intent(inout) :: keep(:)
       type(audit_type), intent(inout) :: audit
+      type(error_type), allocatable, intent(out) :: error
       type(cadence_type) :: cadence
+      type(steps_type) :: work
       integer(int64) :: i, j, last, between, only_values
       real(dp) :: steps
       logical :: fits
@@ -92,7 +94,9 @@ contains
          t = t(:0)
          return
       end if
-      call find_step(pack(t, keep), cadence)
+      call new_steps(work, error)
+      if (allocated(error)) return
+      call find_step(pack(t, keep), work, cadence)
       last = 0
       do i = 1, size(t, kind=int64)
          if (.not. keep(i)) cycle

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What processes left behind that were killed while they wrote a file. In C because the entries of a directory have a layout of the
- * system's own.
+ * What processes left behind that were killed while they wrote a file, and whether two paths lead to one file. In C because the entries
+ * of a directory and what the system says of a file have layouts of the system's own.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <dirent.h>
@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -20,6 +21,7 @@
 #endif
 
 LOCAL void gyroakf_host_remove_leftovers(const char *path);
+LOCAL int gyroakf_host_same_file(const char *a, const char *b);
 
 /* Whether a name is NAME.partN, where N is the number of a process that is no more. */
 static int is_leftover(const char *entry, const char *name, size_t length) {
@@ -49,4 +51,11 @@ void gyroakf_host_remove_leftovers(const char *path) {
     if (is_leftover(entry->d_name, name, length)) unlinkat(dirfd(directory), entry->d_name, 0);
   }
   closedir(directory);
+}
+
+/* Whether two paths lead to the same regular file, by other names or links; "-" is standard input. */
+int gyroakf_host_same_file(const char *a, const char *b) {
+  struct stat first, second;
+  const int found = strcmp(a, "-") == 0 ? fstat(0, &first) : stat(a, &first);
+  return found == 0 && S_ISREG(first.st_mode) && stat(b, &second) == 0 && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
 }

@@ -2,7 +2,7 @@
 !> Where the sample rate changes for good: by more than 0.5 %, and by more than the rates of the parts of a record scatter.
 module gyroakf_io_rate_changes
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, find_step, median_of
+   use gyroakf_io_cadence, only : cadence_type, find_step, median_of, steps_type
    implicit none (type, external)
    private
    public :: find_changes
@@ -15,9 +15,11 @@ module gyroakf_io_rate_changes
 contains
 
    !> Where the rate changes for good: by more than 0.5 % and than the rates of the parts of the record scatter.
-   subroutine find_changes(t, change, steps, count_changes)
+   subroutine find_changes(t, work, change, steps, count_changes)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
+      !> Work space
+      type(steps_type), intent(inout) :: work
       !> The first sample of each new rate: [at most]
       integer(int64), intent(out) :: change(:)
       !> s from sample to sample before the first change, and behind each: [at most + 1]
@@ -36,7 +38,7 @@ contains
       if (parts < 8) return
       length = n/parts
       do k = 1, parts
-         part(k) = step_of_part(t((k - 1)*length + 1:k*length))
+         call find_part_step(t((k - 1)*length + 1:k*length), work, part(k))
       end do
       if (minval(part(:parts)) <= 0.0_dp) return
       ends(0) = 0
@@ -53,8 +55,10 @@ contains
 
    !> The step within a part: that of its cadence, looked for in some of its samples that follow one
    !> another; where they are not regular, the median of eight slopes.
-   real(dp) function step_of_part(t) result(step)
+   subroutine find_part_step(t, work, step)
       real(dp), intent(in), contiguous :: t(:)
+      type(steps_type), intent(inout) :: work
+      real(dp), intent(out) :: step
       real(dp) :: slope(8), mean(9)
       type(cadence_type) :: cadence
       integer(int64) :: n, first, piece
@@ -62,7 +66,7 @@ contains
 
       n = size(t, kind=int64)
       first = 1 + max(0_int64, (n - longest_look)/2)
-      call find_step(t(first:min(n, first + longest_look - 1)), cadence)
+      call find_step(t(first:min(n, first + longest_look - 1)), work, cadence)
       step = cadence%step
       if (cadence%regular) return
       piece = n/9
@@ -71,7 +75,7 @@ contains
       end do
       slope = (mean(2:) - mean(:8))/real(piece, dp)
       step = median_of(slope)
-   end function step_of_part
+   end subroutine find_part_step
 
    !> Divides the parts where their medians differ most, again and again.
    subroutine divide(part, ends, changes, most)

@@ -44,7 +44,7 @@ contains
 
       record%audit%bad_lines = table%bad_lines
       if (size(stamps) == 0) then
-         call audit_stamps(stamps, record%audit, gaps)
+         call audit_stamps(stamps, record%audit, gaps, error)
          return
       end if
       associate (slot => table%layout%slot)         ! a time of day without a date begins again at midnight
@@ -72,7 +72,8 @@ contains
       given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
       call keep_span(options, given, stamps, record%value, first, rate, error)
       if (allocated(error)) return
-      call audit_stamps(stamps, record%audit, gaps, given)
+      call audit_stamps(stamps, record%audit, gaps, error, given)
+      if (allocated(error)) return
       if (record%audit%stamp_rate <= 0.0_dp) record%audit%stamp_rate = rate
       associate (audit => record%audit)
          audit%line_of_first = [(line_of(table%map, place_with(dropped, audit%line_of_first(k), first)), k=1, 3)]
@@ -108,8 +109,8 @@ contains
          return
       end if
       t(:) = stamps
-      call audit_stamps(t, audit, gaps, given)
-      if (audit%stamp_rate <= 0.0_dp) return
+      call audit_stamps(t, audit, gaps, error, given)
+      if (allocated(error) .or. audit%stamp_rate <= 0.0_dp) return
       interval = 1.0_dp/audit%stamp_rate
       scale = 1.0_dp
       if (options%rate_hz > 0.0_dp) scale = audit%stamp_rate/options%rate_hz

@@ -55,6 +55,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: present_samples(:)
+      logical :: drift
 
       call compute_moments(x, channel%raw, valid)
       channel%level = channel%raw
@@ -81,9 +82,10 @@ contains
       end if
       if (allocated(error)) return
       if (allocated(cleaned) .and. .not. options%keep_series) deallocate (cleaned)
-      if (options%do_filter .and. channel%available%preprocess) then
+      drift = options%do_filter .and. all(options%design_only /= ["kf ", "akf"])
+      if (drift .and. channel%available%preprocess) then
          call run_drift_filters(record, x, options, channel, error, present_samples, progress)
-      else if (options%do_filter) then
+      else if (drift) then
          call run_drift_filters(record, x, options, channel, error, valid, progress)
       end if
       if (allocated(channel%true_drift)) deallocate (channel%true_drift)
@@ -127,6 +129,7 @@ contains
          if (.not. options%do_tests) call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
       end if
       if (allocated(error)) return
+      if (index(options%design_only, "drift") == 1) return
       if (options%do_ar .or. options%do_filter) then
          call report_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
          if (allocated(error)) return

@@ -9,7 +9,7 @@ module gyroakf_pipeline_channel_filters
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_design, only : design_kf, design_akf
    use gyroakf_stats_differences, only : difference_variance
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, stage
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, stage, stage_names
    use gyroakf_pipeline_coefficients, only : run_allan
    use gyroakf_pipeline_truth, only : compute_rmse
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
@@ -42,7 +42,9 @@ contains
       real(dp), allocatable :: x(:)
       integer :: which
 
+      channel%designed_mean = mean
       do which = stage%kf, stage%akf
+         if (options%design_only /= "" .and. options%design_only /= stage_names(which)) cycle
          call reserve(x, size(z, kind=int64), error)
          if (allocated(error)) return
          call run_paper_filter(which, z, mean, x, options, channel, error, valid, progress)
@@ -74,10 +76,10 @@ contains
 
       if (which == stage%kf) then
          call design_kf(channel%filter_ar, options%design, filter, error)
-         call run_designed(filter, "Kalman filter", z, x, channel, filtered, done, error, valid, progress)
+         call run_designed(filter, "Kalman filter", z, x, options, channel, filtered, done, error, valid, progress)
       else
          call design_akf(channel%filter_ar, difference_variance(z, valid), options%design, filter, error)
-         call run_designed(filter, "adaptive Kalman filter", z, x, channel, filtered, done, error, valid, progress)
+         call run_designed(filter, "adaptive Kalman filter", z, x, options, channel, filtered, done, error, valid, progress)
       end if
       if (.not. done) return
       if (which == stage%kf) then
@@ -91,8 +93,8 @@ contains
       end if
    end subroutine run_paper_filter
 
-   !> Runs a filter; what cannot be done is noted in the channel.
-   subroutine run_designed(filter, name, z, x, channel, filtered, done, error, valid, progress)
+   !> Runs a filter; what cannot be done is noted in the channel. Where it shall be made only, it is kept there instead.
+   subroutine run_designed(filter, name, z, x, options, channel, filtered, done, error, valid, progress)
       !> Made, where `error` is not set
       type(filter_type), intent(inout) :: filter
       !> Its name in the note
@@ -100,6 +102,8 @@ contains
       !> Series and output: [n]
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(out), contiguous :: x(:)
+      !> `design_only`
+      type(pipeline_options), intent(in) :: options
       !> Gets the note
       type(channel_result_type), intent(inout) :: channel
       !> What the filter did, where it is `done`
@@ -111,7 +115,15 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
+      integer :: stat
 
+      done = .false.
+      if (options%design_only /= "") then
+         if (allocated(error)) return
+         allocate (channel%designed, source=filter, stat=stat)
+         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a filter")
+         return
+      end if
       if (.not. allocated(error)) call filter_series(filter, z, x, filtered, error, valid, progress)
       done = .not. allocated(error)
       if (.not. is_fatal(error)) call note_failure(channel, name, error)

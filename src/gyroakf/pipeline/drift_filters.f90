@@ -54,11 +54,13 @@ contains
       call find_drift(z, record%sample_interval, record%rate_known, record%unit, options, channel, error, valid, progress)
       if (allocated(error) .or. .not. channel%drift%found) return
       differences = difference_variance(z, valid)
-      call run_one(z, differences, .false., options, channel, error, valid, progress)
-      if (.not. allocated(error)) then
+      channel%designed_mean = channel%level%mean
+      if (options%design_only /= "drift_akf") call run_one(z, differences, .false., options, channel, error, valid, progress)
+      if (.not. allocated(error) .and. options%design_only /= "drift_kf") then
          call judge_model(channel)
          call run_one(z, differences, .true., options, channel, error, valid, progress)
       end if
+      if (options%design_only /= "") return
       if (.not. allocated(error)) call reserve(drift, size(x, kind=int64), error)
       if (.not. allocated(error)) then
          call run_smoother(z, drift, differences, options, channel, error, valid, progress)
@@ -91,10 +93,10 @@ contains
       if (allocated(error)) return
       if (adaptive) then
          call design_drift_akf(channel%drift, differences, options%drift, filter, error)
-         call run_designed(filter, "adaptive drift filter", z, x, channel, filtered, done, error, valid, progress)
+         call run_designed(filter, "adaptive drift filter", z, x, options, channel, filtered, done, error, valid, progress)
       else
          call design_drift_kf(channel%drift, filter, error)
-         call run_designed(filter, "drift Kalman filter", z, x, channel, filtered, done, error, valid, progress)
+         call run_designed(filter, "drift Kalman filter", z, x, options, channel, filtered, done, error, valid, progress)
       end if
       if (.not. done) return
       filtered%mean = filtered%mean + channel%level%mean

@@ -21,6 +21,7 @@ module gyroakf_pipeline_result
    use gyroakf_ar_model, only : ar_options, ar_model_type
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_filter_series, only : filter_result_type
+   use gyroakf_filter_kalman, only : filter_type
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type
@@ -103,6 +104,9 @@ module gyroakf_pipeline_result
       real(dp) :: welch_segment = 0.0_dp
       !> The cleaned and filtered series stay in the result (8 bytes a sample and series)
       logical :: keep_series = .false.
+      !> "kf", "akf", "drift_kf" or "drift_akf": no more is done than it takes to make this filter, which stays in the result
+      !> before its first step, `channel%designed`, and what cannot be done is an error; "": all filters
+      character(9) :: design_only = ""
    end type pipeline_options
 
    !> Which parts of a channel's result are there
@@ -292,6 +296,9 @@ module gyroakf_pipeline_result
       real(dp) :: drift_time = 0.0_dp, drift_tau = 0.0_dp
       type(filter_result_type) :: drift_kf, drift_akf, drift_smoother
       type(filter_figures_type) :: drift_kf_figures, drift_akf_figures, drift_smoother_figures
+      !> The filter of `design_only`, for samples less this mean; unallocated where the channel has no drift
+      type(filter_type), allocatable :: designed
+      real(dp) :: designed_mean = 0.0_dp
       !> The record as read, without its outliers, less the smoothed drift: in-sample, for the drift was taken from it
       type(moments_type) :: compensated
       real(dp) :: compensated_ratio = 0.0_dp
@@ -316,6 +323,8 @@ module gyroakf_pipeline_result
       integer(int8), allocatable :: series_present(:)
       !> Warnings, and which stages failed and why
       type(text_type), allocatable :: warnings(:), unavailable(:)
+      !> Status of the first of them, 0 where all went well
+      integer :: first_failure = 0
    end type channel_result_type
 
    !> The whole record

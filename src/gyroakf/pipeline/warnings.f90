@@ -56,6 +56,7 @@ contains
 
       if (.not. allocated(error)) return
       call add_text(channel%unavailable, analysis//": "//error%message)
+      if (channel%first_failure == status%ok) channel%first_failure = error%code
       deallocate (error)
    end subroutine note_failure
 

@@ -112,7 +112,7 @@ contains
       if (allocated(channel%series_drift_akf)) columns(8)%value => channel%series_drift_akf
    end subroutine set_columns
 
-   !> A field of text, in quotes where it needs them.
+   !> A field of text, in quotes where it needs them; one that a spreadsheet would take for a formula begins with an apostrophe.
    pure function quoted(text) result(field)
       !> Any
       character(*), intent(in) :: text
@@ -120,8 +120,9 @@ contains
       integer :: i
 
       field = text
+      if (scan(text(:min(1, len(text))), "=+-@") == 1) field = "'"//text
       if (scan(text, ',"'//new_line("a")//achar(13)) == 0) return
-      field = '"'
+      field = '"'//field(:len(field) - len(text))
       do i = 1, len(text)
          if (text(i:i) == '"') field = field//'"'
          field = field//text(i:i)

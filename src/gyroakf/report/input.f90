@@ -9,6 +9,7 @@ module gyroakf_report_input
    use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, &
       put_heading, put_item, put_title
    use gyroakf_report_text_table, only : add_row, new_table, put_table, set_cell, table_type
+   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
    public :: report_inspect, put_input, put_source, has_unit, unit_name, time_unit
@@ -314,7 +315,7 @@ contains
       end select
    end function source
 
-   !> The text, or another one where it is unallocated or empty.
+   !> The text as it can be shown, or another one where it is unallocated or empty.
    pure function text_or(text, other) result(chosen)
       character(*), intent(in), optional :: text
       character(*), intent(in) :: other
@@ -322,7 +323,9 @@ contains
 
       chosen = other
       if (.not. present(text)) return
-      if (len(text) > 0) chosen = text
+      if (len(text) == 0) return
+      chosen = text
+      call make_readable(chosen)
    end function text_or
 
 end module gyroakf_report_input

@@ -14,6 +14,7 @@ module gyroakf_report_summary_row
    use gyroakf_report_json, only : json_text, json_type
    use gyroakf_report_text_layout, only : count_text, if_known, number
    use gyroakf_report_verdicts, only : verdict_text
+   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
    public :: summary_row_type, summarise
@@ -124,6 +125,7 @@ contains
             texts(2)%text = "failed"
          end if
          texts(1)%text = path
+         call make_readable(texts(1)%text)
          if (c == 1) allocate (row%cell(n, size(texts)))
          row%cell(c, :) = texts
       end subroutine add_channel
