@@ -19,7 +19,7 @@ module gyroakf_report_chart
    !> Dots of a character, as Braille has them: two beside each other, four below
    integer, parameter :: dots_across = 2, dots_down = 4
    !> What a cell shows beside dots (1 to 255) and letters (their number more than `letter`)
-   integer, parameter :: nothing = 0, bar = 256, point = 257, letter = 1000
+   integer, parameter :: nothing = 0, bar = 256, letter = 1000
 
 contains
 
@@ -43,7 +43,8 @@ contains
       integer, allocatable :: cell(:, :)
       type(axis_type) :: x, y
       logical :: usable(size(tau))
-      integer :: height, column, row, i
+      character(1) :: sign
+      integer :: height, column, i
 
       height = chart_rows
       if (present(rows)) height = rows
@@ -65,10 +66,9 @@ contains
       end do
       do i = 1, size(tau)
          if (.not. usable(i)) cycle
-         column = dot_of(x, tau(i))/dots_across
-         row = dot_of(y, deviation(i))/dots_down
-         cell(column, row) = point
-         if (present(mark)) cell(column, row) = letter + iachar(mark(i))
+         sign = "o"
+         if (present(mark)) sign = mark(i)
+         cell(dot_of(x, tau(i))/dots_across, dot_of(y, deviation(i))/dots_down) = letter + iachar(sign)
       end do
       call draw_slopes()
       call frame_lines()
@@ -208,8 +208,6 @@ contains
 
       if (cell > letter) then
          text = achar(cell - letter)
-      else if (cell == point) then
-         text = "o"
       else if (cell == bar) then
          text = "|"
          if (unicode) text = "│"

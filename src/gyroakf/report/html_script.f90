@@ -3,12 +3,10 @@
 !> by pointing at them, their points with the arrow keys too. Without scripts nothing is lost: the
 !> numbers are in the tables.
 module gyroakf_report_html_script
-   use gyroakf_io_writer, only : writer_type, put_line
    implicit none (type, external)
    private
-   public :: put_script
 
-   character(*), parameter :: lines(*) = [character(96) :: &
+   character(*), parameter, public :: page_script(*) = [character(96) :: &
       "'use strict';", &
       "document.querySelectorAll('.fig .key').forEach(function (key) {", &
       "  var series = '[data-series=""' + key.dataset.series + '""]';", &
@@ -73,20 +71,5 @@ module gyroakf_report_html_script
       "    choose(Math.max(0, Math.min(points.length - 1, at + step)));", &
       "  });", &
       "});"]
-
-contains
-
-   !> The element.
-   subroutine put_script(writer)
-      !> The page
-      type(writer_type), intent(inout) :: writer
-      integer :: i
-
-      call put_line(writer, "<script>")
-      do i = 1, size(lines)
-         call put_line(writer, trim(lines(i)))
-      end do
-      call put_line(writer, "</script>")
-   end subroutine put_script
 
 end module gyroakf_report_html_script

@@ -1,13 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> How a page looks: light and dark, wide and narrow, on paper.
 module gyroakf_report_html_style
-   use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_report_svg, only : put_svg_style
    implicit none (type, external)
    private
-   public :: put_style
 
-   character(*), parameter :: lines(*) = [character(128) :: &
+   character(*), parameter, public :: page_style(*) = [character(128) :: &
       ":root { color-scheme: light dark; --text: #1b1d20; --soft: #565c64; --ground: #fcfcfb; --card: #f1f2f3; --line: #cfd3d8;", &
       "  --link: #0b5cad; --warn: #8a4b00; --warn-ground: #fff3dc }", &
       "@media (prefers-color-scheme: dark) { :root { --text: #e6e7e9; --soft: #a9b0b9; --ground: #16181b; --card: #22262b;", &
@@ -52,21 +49,5 @@ module gyroakf_report_html_style
       "  .skip, nav, .reading { display: none }", &
       "  h1, h2, h3, h4 { break-after: avoid } figure, tr { break-inside: avoid } .scroll { overflow: visible }", &
       "  .scroll { background: none } .plot svg { max-height: 8.5cm } table { font-size: 8pt } th, td { padding: 0.1rem 0.3rem } }"]
-
-contains
-
-   !> The element.
-   subroutine put_style(writer)
-      !> The page
-      type(writer_type), intent(inout) :: writer
-      integer :: i
-
-      call put_line(writer, "<style>")
-      do i = 1, size(lines)
-         call put_line(writer, trim(lines(i)))
-      end do
-      call put_svg_style(writer)
-      call put_line(writer, "</style>")
-   end subroutine put_style
 
 end module gyroakf_report_html_style

@@ -13,7 +13,7 @@ module gyroakf_report_kalibr
    use gyroakf_units, only : quantity, term_names
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, not_described, stage
-   use gyroakf_report_text_layout, only : scientific, number, count_text
+   use gyroakf_report_text_layout, only : scientific, number, count_text, if_known
    implicit none (type, external)
    private
    public :: check_kalibr, write_kalibr, kalibr_mark
@@ -80,27 +80,24 @@ contains
 
       !> Every channel that is used has N and K, or at least their limits.
       subroutine check_coefficients()
+         character(*), parameter :: needs = "Kalibr's file needs N and K, and "
          character(:), allocatable :: reason
          integer :: c, term
 
          do c = 1, size(measured)
-            if (measured(c) == quantity%unknown) cycle
+            if (measured(c) == quantity%unknown .or. allocated(error)) cycle
             associate (channel => result%channel(c), allan => result%channel(c)%allan(stage%input))
+               term = merge(white, walk, strength(allan%stated%term(white)) <= 0.0_dp)
                if (.not. allan%fitted) then
                   reason = ""
                   if (allocated(channel%unavailable)) reason = ": "//channel%unavailable(1)%text
-                  call fatal_error(error, status%constant_input, "Kalibr's file needs N and K, and '"// &
-                                   channel%name//"' has no coefficients"//reason)
-                  return
-               end if
-               do term = white, walk, walk - white
-                  if (strength(allan%stated%term(term)) > 0.0_dp) cycle
+                  call fatal_error(error, status%constant_input, needs//"'"//channel%name// &
+                                   "' has no coefficients"//reason)
+               else if (strength(allan%stated%term(term)) <= 0.0_dp) then
                   call fatal_error(error, status%invalid_argument, &
-                                   "Kalibr's file needs N and K, and "//term_names(term)//" of '"// &
-                                   channel%name//"' was not fitted: --terms has to name N and K, "// &
-                                   "or be left out")
-                  return
-               end do
+                                   needs//term_names(term)//" of '"//channel%name//"' was not "// &
+                                   "fitted: --terms has to name N and K, or be left out")
+               end if
             end associate
          end do
       end subroutine check_coefficients
@@ -111,18 +108,13 @@ contains
          character(*), intent(in) :: sensor, density_unit, walk_unit, asked
 
          call put_line(writer, "")
-         if (all(measured /= what)) then
-            call put_line(writer, "# The record has no channel in "//asked//": fill in the "//sensor// &
-                          "'s numbers.")
-            call put_line(writer, "#"//sensor//"_noise_density:  # "//density_unit//"/sqrt(Hz)")
-            call put_line(writer, "#"//sensor//"_random_walk:  # "//walk_unit//"/sqrt(Hz)")
-            return
-         end if
+         if (all(measured /= what)) call put_line(writer, "# The record has no channel in "//asked// &
+                                                  ": fill in the "//sensor//"'s numbers.")
          call put_number(what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
          call put_number(what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
       end subroutine put_sensor
 
-      !> The largest of the axes, then each of them.
+      !> The largest of the axes, then each of them; without an axis a line to be filled in.
       subroutine put_number(what, term, key, unit)
          integer, intent(in) :: what, term
          character(*), intent(in) :: key, unit
@@ -132,16 +124,23 @@ contains
          integer :: c, largest
 
          of = measured == what
+         if (.not. any(of)) then
+            call put_line(writer, "#"//key//":  # "//unit)
+            return
+         end if
          do c = 1, size(of)
             stated(c) = result%channel(c)%allan(stage%input)%stated%term(term)
          end do
          largest = maxloc(strength(stated), dim=1, mask=of)
-         text = key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "// &
-                term_names(term)//" of "//plain(result%channel(largest)%name)
-         if (.not. stated(largest)%detected) text = text//" is not detectable: its 95 % upper limit"
-         call put_line(writer, text)
+         call put_line(writer, key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "// &
+                       term_names(term)//" of "//plain(result%channel(largest)%name)// &
+                       if_known(.not. stated(largest)%detected, " is not detectable: its 95 % upper limit"))
          do c = 1, size(of)
-            if (of(c)) call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//axis_text(stated(c)))
+            if (.not. of(c)) cycle
+            text = "not detectable, below "//scientific(stated(c)%upper_limit_si, 5)//" (95 %)"
+            if (stated(c)%detected) text = scientific(stated(c)%value_si, 5)//" +/- "// &
+               scientific(stated(c)%std_error_si, 2)
+            call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//text)
          end do
       end subroutine put_number
 
@@ -164,18 +163,6 @@ contains
       end subroutine put_remarks
 
    end subroutine write_kalibr
-
-   !> The coefficient of one axis, in SI.
-   pure function axis_text(stated) result(text)
-      type(stated_coefficient_type), intent(in) :: stated
-      character(:), allocatable :: text
-
-      if (stated%detected) then
-         text = scientific(stated%value_si, 5)//" +/- "//scientific(stated%std_error_si, 2)
-      else
-         text = "not detectable, below "//scientific(stated%upper_limit_si, 5)//" (95 %)"
-      end if
-   end function axis_text
 
    !> What stands for an axis: its value, or its limit where it has none; 0 where the term was not fitted.
    elemental real(dp) function strength(stated)

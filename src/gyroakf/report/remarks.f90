@@ -40,9 +40,21 @@ contains
       type(remark_type), allocatable :: remark(:)
       character(:), allocatable :: names
       integer :: i, kind, count
+      character(:), allocatable :: text
+      real(dp), dimension(size(result%channel)) :: kf, akf
+      logical, dimension(size(result%channel)) :: has_kf, has_akf
 
       allocate (remark(0))
-      if (command == "run" .or. command == "filter") call add_passing(remark, result)
+      if (command == "run" .or. command == "filter") then
+         kf(:) = result%channel%kf_figures%passed_percent
+         akf(:) = result%channel%akf_figures%passed_percent
+         has_kf(:) = result%channel%available%kf
+         has_akf(:) = result%channel%available%akf
+         text = passed("KF", kf, has_kf)//passed("AKF", akf, has_akf)
+         if (text /= "") call add_remark(remark, note, "the paper's filters pass a constant "// &
+            "rotation in part (DC gain: "//text(3:)//"): their outputs are no input for "// &
+            "navigation", "")
+      end if
       call add_list(remark, record%warnings, warning, "", "")
       do i = 1, size(result%channel)
          associate (channel => result%channel(i))
@@ -109,24 +121,6 @@ contains
       call move_alloc(longer, remark)
    end subroutine add_remark
 
-   !> The share of a constant rotation that the paper's filters let pass.
-   pure subroutine add_passing(remark, result)
-      type(remark_type), allocatable, intent(inout) :: remark(:)
-      type(pipeline_result_type), intent(in) :: result
-      character(:), allocatable :: text
-      real(dp), dimension(size(result%channel)) :: kf, akf
-      logical, dimension(size(result%channel)) :: has_kf, has_akf
-
-      kf(:) = result%channel%kf_figures%passed_percent
-      akf(:) = result%channel%akf_figures%passed_percent
-      has_kf(:) = result%channel%available%kf
-      has_akf(:) = result%channel%available%akf
-      text = passed("KF", kf, has_kf)//passed("AKF", akf, has_akf)
-      if (text /= "") call add_remark(remark, note, "the paper's filters pass a constant "// &
-         "rotation in part (DC gain: "//text(3:)//"): their outputs are no input for "// &
-         "navigation", "")
-   end subroutine add_passing
-
    !> ", KF 61 %", ", AKF 17 to 50 %"; "" where no channel has the filter.
    pure function passed(name, percent, available) result(text)
       character(*), intent(in) :: name
@@ -139,7 +133,7 @@ contains
       if (.not. any(available)) return
       text = fixed(minval(percent, available), 0)
       if (fixed(maxval(percent, available), 0) /= text) then
-        text = text//" to "//fixed(maxval(percent, available), 0)
+         text = text//" to "//fixed(maxval(percent, available), 0)
       end if
       text = ", "//name//" "//text//" %"
    end function passed

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The tables of a channel for a paper: tests, Table I (AR models), Table II (filters); Table III is
-!> in [[gyroakf_report_text_noise]].
+!> The tables of a channel: tests, Table I (AR models), Table II (filters); Table III is in
+!> [[gyroakf_report_text_noise]].
 module gyroakf_report_tables
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_filter_series, only : filter_result_type
@@ -9,46 +9,14 @@ module gyroakf_report_tables
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_text_layout, only : count_text, fixed, if_known, number, p_value_text, &
       percent, scientific
-   use gyroakf_report_text_noise, only : make_comparison
-   use gyroakf_report_text_table, only : add_row, new_table, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, new_table, table_type
    use gyroakf_report_verdicts, only : level, whiteness_word
    implicit none (type, external)
    private
-   public :: make_tables, make_tests_table, has_tests, kpss_p_text, bare, make_ar_table, &
+   public :: make_tests_table, has_tests, kpss_p_text, bare, make_ar_table, &
       make_filter_table, has_filters, full_name
 
 contains
-
-   !> Describes the tables that a channel has, in the order of the paper.
-   subroutine make_tables(record, channel, tables)
-      !> The channel alone, for its unit
-      type(record_type), intent(in) :: record
-      !> Filled as far as it is available
-      type(channel_result_type), intent(in) :: channel
-      !> [at most 4]
-      type(table_type), allocatable, intent(out) :: tables(:)
-      type(table_type) :: made(4)
-      integer :: n
-
-      n = 0
-      if (has_tests(channel)) then
-         n = n + 1
-         call make_tests_table(channel, made(n))
-      end if
-      if (channel%available%ar) then
-         n = n + 1
-         call make_ar_table(record, channel, made(n))
-      end if
-      if (has_filters(channel)) then
-         n = n + 1
-         call make_filter_table(record, channel, made(n))
-      end if
-      if (any(channel%allan%fitted)) then
-         n = n + 1
-         call make_comparison(record, channel, made(n))
-      end if
-      tables = made(:n)
-   end subroutine make_tables
 
    !> A filter at least has a result.
    pure logical function has_filters(channel)
@@ -79,11 +47,11 @@ contains
       !> Described
       type(table_type), intent(out) :: table
 
-      call new_table(table, 1, 6, left=2)
-      table%name = "tests"
+      call new_table(table, 6, left=2)
       table%caption = "Tests of the "//trim(channel%tested)
       table%note = "Critical values and rejections are those of a significance of 5 %."
-      call add_row(table, "test", "null hypothesis;statistic;critical;p;rejected")
+      call add_row(table, "test", "null hypothesis", "statistic", "critical", "p", &
+                   "rejected")
       associate (is => channel%available, adf => channel%adf, kpss => channel%kpss, &
                  jarque_bera => channel%jarque_bera, anderson => channel%anderson_darling, &
                  ljung_box => channel%ljung_box)
@@ -110,8 +78,8 @@ contains
 
          limit = ""
          if (present(critical)) limit = number(critical, 4)
-         call add_row(table, name, hypothesis//";"//number(statistic, 4)//";"//limit//";"//p// &
-                      ";"//if_known(rejected, "yes", "no"))
+         call add_row(table, name, hypothesis, number(statistic, 4), limit, p, &
+                      if_known(rejected, "yes", "no"))
       end subroutine add_test
 
    end subroutine make_tests_table
@@ -150,21 +118,19 @@ contains
       type(table_type), intent(out) :: table
       integer :: i
 
-      call new_table(table, size(channel%ar%table) + 1, 8, left=0)
-      table%name = "ar"
+      call new_table(table, 8, left=0)
       table%number = "I"
       table%caption = "AR models ("//full_name(channel%ar%method)//", n = "// &
          count_text(channel%ar%compared_rows)//", variances in ("//unit_name(record)// &
          ")^2); * is the order chosen by "//full_name(channel%ar%criterion)
-      call add_row(table, "order", "variance;AIC;AICc;BIC;HQIC;FPE;AIC/n")
+      call add_row(table, "order", "variance", "AIC", "AICc", "BIC", "HQIC", "FPE", "AIC/n")
       do i = lbound(channel%ar%table, 1), ubound(channel%ar%table, 1)
          associate (line => channel%ar%table(i))
             call add_row(table, merge("* ", "  ", line%order == channel%ar%order)// &
                          count_text(int(line%order, int64)), &
-                         scientific(line%noise_variance, 5)//";"//criterion(line%aic)//";"// &
-                         criterion(line%aicc)//";"//criterion(line%bic)//";"// &
-                         criterion(line%hqic)//";"//scientific(line%fpe, 5)//";"// &
-                         fixed(line%aic_per_observation, 6))
+                         scientific(line%noise_variance, 5), criterion(line%aic), &
+                         criterion(line%aicc), criterion(line%bic), criterion(line%hqic), &
+                         scientific(line%fpe, 5), fixed(line%aic_per_observation, 6))
          end associate
       end do
    end subroutine make_ar_table
@@ -205,44 +171,46 @@ contains
       !> Described
       type(table_type), intent(out) :: table
 
-      call new_table(table, 1, 9, head=merge(2, 1, has_unit(record)))
-      table%name = "filters"
+      call new_table(table, 9, head=merge(2, 1, has_unit(record)))
       table%number = "II"
       table%caption = "Before and after the filters"//if_known(.not. has_unit(record), &
                                                                ", in input units")
-      call add_row(table, "", "mean;variance;share;gain;passes;NIS;|rho|;innov.")
+      call add_row(table, "", "mean", "variance", "share", "gain", "passes", "NIS", "|rho|", &
+                   "innov.")
       if (has_unit(record)) then
-        call add_row(table, "", unit_name(record)//";("//unit_name(record)//")^2")
+         call add_row(table, "", unit_name(record), "("//unit_name(record)//")^2")
       end if
       table%note = filter_note(channel)
       associate (is => channel%available)
-         call add_series("raw", channel%raw%mean, channel%raw%variance, "")
+         call add_series("raw", channel%raw%mean, channel%raw%variance)
          call add_series("cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
          if (is%kf) call add_filter("KF (paper)", channel%kf, channel%kf_figures)
          if (is%akf) call add_filter("AKF (paper)", channel%akf, channel%akf_figures)
          if (channel%drift%found .and. is%preprocess) then
-           call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
+            call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
          end if
          if (is%drift_kf) call add_filter("drift KF", channel%drift_kf, channel%drift_kf_figures)
          if (is%drift_akf) then
-           call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
+            call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
          end if
          if (is%drift_smoother) then
             call add_filter("smoother", channel%drift_smoother, channel%drift_smoother_figures)
             call add_series("compensated", channel%compensated%mean, &
-                            channel%compensated%variance, percent(channel%compensated_ratio)// &
-                            ";;"//fixed(channel%drift_smoother_figures%lost_percent/100, 4))
+                            channel%compensated%variance, percent(channel%compensated_ratio))
+            call add_cell(table, "")
+            call add_cell(table, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
          end if
       end associate
 
    contains
 
-      !> A series; its cells from the share on.
-      subroutine add_series(name, mean, variance, cells)
-         character(*), intent(in) :: name, cells
+      !> A series; further cells may follow.
+      subroutine add_series(name, mean, variance, share)
+         character(*), intent(in) :: name
          real(dp), intent(in) :: mean, variance
+         character(*), intent(in), optional :: share
 
-         call add_row(table, name, scientific(mean, 4)//";"//scientific(variance, 5)//";"//cells)
+         call add_row(table, name, scientific(mean, 4), scientific(variance, 5), share)
       end subroutine add_series
 
       !> A filter; a smoother has no innovations.
@@ -253,11 +221,13 @@ contains
          logical :: measured
 
          measured = filter%nis_high > 0.0_dp
-         call add_series(name, filter%mean, filter%variance, percent(figures%variance_ratio)// &
-                         ";"//if_known(measured, number(filter%gain, 2))//";"// &
-                         fixed(filter%dc_gain, 4)//if_known(measured, ";"// &
-                         fixed(filter%nis_mean, 3)//";"//number(filter%ljung_box%largest_rho, 2)// &
-                         ";"//trim(whiteness_word(filter%ljung_box))))
+         call add_series(name, filter%mean, filter%variance, percent(figures%variance_ratio))
+         call add_cell(table, if_known(measured, number(filter%gain, 2)))
+         call add_cell(table, fixed(filter%dc_gain, 4))
+         if (.not. measured) return
+         call add_cell(table, fixed(filter%nis_mean, 3))
+         call add_cell(table, number(filter%ljung_box%largest_rho, 2))
+         call add_cell(table, trim(whiteness_word(filter%ljung_box)))
       end subroutine add_filter
 
    end subroutine make_filter_table

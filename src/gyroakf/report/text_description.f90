@@ -99,11 +99,12 @@ contains
       if (self%depth <= self%hidden) self%hidden = max_depth
    end subroutine close_group
 
+   !> A number rounded to its error; two decimals where a criterion or a likelihood needs them.
    subroutine put_value(self, key, value)
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value
-      character(:), allocatable :: title, unit
+      character(:), allocatable :: title, unit, number_text
       logical :: shown
 
       call find_title(self, key, title, shown)
@@ -112,7 +113,10 @@ contains
       type is (real(dp))
          unit = unit_of(key)
          if (allocated(self%member%unit)) unit = " "//self%member%unit
-         title = title//" "//value_text(value, self%member%std_error)//unit
+         number_text = rounded(value, self%member%std_error)
+         if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. &
+             .not. self%member%std_error > 0.0_dp) number_text = fixed(value, 2)
+         title = title//" "//number_text//unit
          if (key == "p_value" .and. .not. allocated(self%member%title)) title = p_value_text(value)
       type is (integer); title = title//" "//count_text(int(value, int64))
       type is (integer(int64)); title = title//" "//count_text(value)
@@ -246,17 +250,6 @@ contains
       if (in_list) self%label = ""
       self%line = ""
    end subroutine end_line
-
-   !> Rounded to the error; two decimals where a criterion or a likelihood needs them.
-   pure function value_text(value, std_error) result(text)
-      real(dp), intent(in) :: value, std_error
-      character(:), allocatable :: text
-
-      text = rounded(value, std_error)
-      if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. .not. std_error > 0.0_dp) then
-        text = fixed(value, 2)
-      end if
-   end function value_text
 
    !> With a capital letter in front.
    pure function capitalized(text) result(name)

@@ -8,7 +8,7 @@ module gyroakf_report_text_noise
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_pipeline_result, only : channel_result_type, allan_result_type, stage
    use gyroakf_report_text_layout, only : count_text, if_known, number, put_heading
-   use gyroakf_report_text_table, only : add_row, new_table, put_table, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, new_table, put_table, table_type
    use gyroakf_report_input, only : unit_name, time_unit
    implicit none (type, external)
    private
@@ -26,49 +26,41 @@ contains
       type(allan_result_type), intent(in) :: allan
       !> Which series
       character(*), intent(in) :: title
-      real(dp) :: none(0)
       integer :: i
 
       if (.not. allan%available) return
-      if (allan%fitted) then
-         call put_curve(writer, record, allan%curve, title, allan%noise%model)
-      else
-         call put_curve(writer, record, allan%curve, title, none)
-      end if
+      call put_curve(allan%curve, allan%fitted)
       if (.not. allocated(allan%other)) return
       do i = 1, size(allan%other)
-         if (allocated(allan%other(i)%tau)) then
-           call put_curve(writer, record, allan%other(i), title, none)
-         end if
+         if (allocated(allan%other(i)%tau)) call put_curve(allan%other(i), .false.)
       end do
+
+   contains
+
+      subroutine put_curve(curve, fitted)
+         type(allan_curve_type), intent(in) :: curve
+         !> The model is shown
+         logical, intent(in) :: fitted
+         type(table_type) :: table
+         integer :: i
+
+         call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
+                          if_known(curve%kind == "tdev", " times tau")//", tau in "// &
+                          time_unit(record)//", "//number(100*curve%confidence, 4)//" % limits")
+         call new_table(table, merge(7, 6, fitted), left=0)
+         call add_row(table, "tau", "deviation", "lower", "upper", "edf", "terms")
+         if (fitted) call add_cell(table, "model")
+         do i = 1, size(curve%tau)
+            call add_row(table, number(curve%tau(i), 6), number(curve%deviation(i), 6), &
+                         number(curve%lower(i), 4), number(curve%upper(i), 4), &
+                         number(curve%edf(i), 4), count_text(curve%terms(i)))
+            if (fitted) call add_cell(table, if_known(allan%noise%model(i) > 0.0_dp, &
+                                                      number(allan%noise%model(i), 4), "-"))
+         end do
+         call put_table(writer, table)
+      end subroutine put_curve
+
    end subroutine put_curves_of
-
-   !> One curve.
-   subroutine put_curve(writer, record, curve, title, model)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(allan_curve_type), intent(in) :: curve
-      character(*), intent(in) :: title
-      !> Fitted deviation; of size 0 where there is none
-      real(dp), intent(in) :: model(:)
-      type(table_type) :: table
-      character(:), allocatable :: fitted
-      integer :: i
-
-      call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
-                       if_known(curve%kind == "tdev", " times tau")//", tau in "// &
-                       time_unit(record)//", "//number(100*curve%confidence, 4)//" % limits")
-      call new_table(table, size(curve%tau) + 1, merge(7, 6, size(model) > 0), left=0)
-      call add_row(table, "tau", "deviation;lower;upper;edf;terms;model")
-      fitted = ""
-      do i = 1, size(curve%tau)
-         if (size(model) > 0) fitted = if_known(model(i) > 0.0_dp, number(model(i), 4), "-")
-         call add_row(table, number(curve%tau(i), 6), number(curve%deviation(i), 6)//";"// &
-                      number(curve%lower(i), 4)//";"//number(curve%upper(i), 4)//";"// &
-                      number(curve%edf(i), 4)//";"//count_text(curve%terms(i))//";"//fitted)
-      end do
-      call put_table(writer, table)
-   end subroutine put_curve
 
    !> Table III: a row for each series, a column for each term.
    subroutine make_comparison(record, channel, table)
@@ -80,29 +72,32 @@ contains
       type(table_type), intent(out) :: table
       character(11), parameter :: series(6) = [character(11) :: "raw", "no outliers", "cleaned", &
                                                "KF", "AKF", "compensated"]
-      character(:), allocatable :: units, cells
+      character(:), allocatable :: walks
       integer :: term, which
 
-      call new_table(table, 2, 6, head=2)
-      table%name = "coefficients"
+      call new_table(table, 6, head=2)
       table%number = "III"
       table%caption = "Noise coefficients from the Allan deviation"
-      table%note = terms_text(record)//" +/-: one standard error; <: not detected, one-sided "// &
+      select case (record%unit%quantity)
+      case (quantity%angular_rate); walks = "N angle random walk, B bias instability, K rate random walk"
+      case (quantity%acceleration); walks = "N velocity random walk, B bias instability, K random walk"
+      case default; walks = "N white noise, B bias instability, K rate random walk"
+      end select
+      table%note = "Q quantization, "//walks//", R ramp. +/-: one standard error; <: not detected, one-sided "// &
          "95 % limit."
-      units = ""
+      call add_row(table, "", "Q", "N", "B", "K", "R")
+      call add_row(table, "")
+      which = findloc(channel%allan%fitted, .true., dim=1)
       do term = 1, 5
-         units = units//broken(coefficient_unit_name(channel, term))//";"
+         if (which > 0) call add_cell(table, broken(channel%allan(which)%stated%term(term)%unit))
       end do
-      call add_row(table, "", "Q;N;B;K;R")
-      call add_row(table, "", units)
       do which = stage%input, stage%compensated
          if (.not. channel%allan(which)%available) cycle
          if (which == stage%cleaned .and. .not. channel%available%cleaned) cycle
-         cells = ""
+         call add_row(table, trim(series(which)))
          do term = 1, 5
-            cells = cells//compared_text(channel%allan(which), term)//";"
+            call add_cell(table, compared_text(channel%allan(which), term))
          end do
-         call add_row(table, trim(series(which)), cells)
       end do
       associate (left => channel%allan(stage%compensated))
          if (left%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
@@ -110,11 +105,15 @@ contains
       end associate
       if (.not. any(channel%reduction_known .or. channel%reduction_at_least > 0.0_dp)) return
       table%note = table%note//" reduction: from cleaned to AKF."
-      cells = ""
+      call add_row(table, "reduction")
       do term = 1, 5
-         cells = cells//reduction_text(channel, term)//";"
+         if (channel%reduction_known(term)) then
+            call add_cell(table, number(channel%reduction_percent(term), 3)//" %")
+         else
+            call add_cell(table, if_known(channel%reduction_at_least(term) > 0.0_dp, "> "// &
+                                          number(channel%reduction_at_least(term), 3)//" %", "-"))
+         end if
       end do
-      call add_row(table, "reduction", cells)
    end subroutine make_comparison
 
    !> A unit in two lines where it is wide, the second one from its last factor on.
@@ -144,49 +143,5 @@ contains
          if (.not. stated%detected) text = "< "//number(stated%upper_limit, 3)
       end associate
    end function compared_text
-
-   !> How much less the adaptive filter leaves.
-   pure function reduction_text(channel, term) result(text)
-      type(channel_result_type), intent(in) :: channel
-      integer, intent(in) :: term
-      character(:), allocatable :: text
-
-      text = "-"
-      if (channel%reduction_known(term)) then
-         text = number(channel%reduction_percent(term), 3)//" %"
-      else if (channel%reduction_at_least(term) > 0.0_dp) then
-         text = "> "//number(channel%reduction_at_least(term), 3)//" %"
-      end if
-   end function reduction_text
-
-   !> Unit of a term, from the first series that has one.
-   pure function coefficient_unit_name(channel, term) result(name)
-      type(channel_result_type), intent(in) :: channel
-      integer, intent(in) :: term
-      character(:), allocatable :: name
-      integer :: which
-
-      name = ""
-      do which = stage%compensated, stage%input, -1
-         if (channel%allan(which)%fitted) name = channel%allan(which)%stated%term(term)%unit
-      end do
-   end function coefficient_unit_name
-
-   !> "Q quantization, N angle random walk, ..."
-   pure function terms_text(record) result(text)
-      !> For the quantity
-      type(record_type), intent(in) :: record
-      character(:), allocatable :: text
-
-      select case (record%unit%quantity)
-      case (quantity%angular_rate)
-         text = "N angle random walk, B bias instability, K rate random walk"
-      case (quantity%acceleration)
-         text = "N velocity random walk, B bias instability, K random walk"
-      case default
-         text = "N white noise, B bias instability, K rate random walk"
-      end select
-      text = "Q quantization, "//text//", R ramp."
-   end function terms_text
 
 end module gyroakf_report_text_noise

@@ -11,7 +11,7 @@ module gyroakf_report_text_report
    use gyroakf_report_document_allan, only : put_halves, put_noise
    use gyroakf_report_document_tests, only : put_ar, put_tests, put_verdict
    use gyroakf_report_document_distribution, only : put_preprocess
-   use gyroakf_report_input, only : put_input, put_source, report_inspect, unit_name
+   use gyroakf_report_input, only : put_input, report_inspect, unit_name
    use gyroakf_report_remarks, only : put_remarks
    use gyroakf_report_tables, only : make_ar_table, make_filter_table
    use gyroakf_report_text_answer, only : put_answer
@@ -60,7 +60,7 @@ contains
       if (all) call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)// &
                               if_known(options%preset /= "default", " (preset "// &
                                        trim(options%preset)//")"))
-      if (.not. all) call put_source(writer, record)
+      if (.not. all) call put_input(writer, record, brief=.true.)
       if (answer) call put_answer(writer, record, result)
       if (command /= "allan" .and. .not. all) call put_overview(writer, command, record, result)
       if (drawn) call put_chart(writer, record, result)
