@@ -6,7 +6,8 @@ module test_table
    use gyroakf_io_writer, only : writer_type
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, report_width
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_text_table, only : add_cell, add_row, cell_line, new_table, put_table, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, cell_line, new_table, put_table, &
+      table_type
    use report_fixture, only : begin_text, end_text
    implicit none (type, external)
    private

@@ -6,8 +6,8 @@ module test_tables
    use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_report_text_table, only : table_type
-   use gyroakf_report_tables, only : has_filters, has_tests, make_ar_table, make_filter_table, make_tests_table
-   use gyroakf_report_text_noise, only : make_comparison
+   use gyroakf_report_tables, only : make_ar_table, make_comparison, make_filter_table, &
+      make_tests_table
    use report_fixture, only : fill_drift, make_record, make_result
    implicit none (type, external)
    private
@@ -55,9 +55,11 @@ contains
    subroutine test_nothing(error)
       type(error_type), allocatable, intent(out) :: error
       type(pipeline_result_type) :: empty
+      type(table_type) :: table
 
       allocate (empty%channel(1))
-      call check(error, .not. (has_tests(empty%channel(1)) .or. has_filters(empty%channel(1))))
+      call make_tests_table(empty%channel(1), table)
+      call check(error, size(table%cell, 1), table%head)
    end subroutine test_nothing
 
 end module test_tables

@@ -190,7 +190,8 @@ contains
                                    [which == stage%akf .and. channel%reduction_known(i), &
                                     allan%read_off%found(i)]))
                   call put_numbers(where_known( &
-                                   [term(i)%value_si, term(i)%std_error_si, term(i)%upper_limit_si], &
+                                   [term(i)%value_si, term(i)%std_error_si, &
+                                    term(i)%upper_limit_si], &
                                    term(i)%fitted .and. allan%stated%in_units))
                   call put_line(writer, ","//quoted(term(i)%unit_si)//","// &
                                 quoted(term(i)%definition)//","//trim(term(i)%state))

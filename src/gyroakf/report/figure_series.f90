@@ -40,7 +40,8 @@ contains
       type(record_type) :: view
       integer(int64) :: i, k(trend_points)
 
-      if (filtered .and. .not. (allocated(channel%series_kf) .or. allocated(channel%series_akf))) return
+      if (filtered .and. .not. (allocated(channel%series_kf) .or. &
+                                allocated(channel%series_akf))) return
       if (.not. (filtered .or. allocated(record%value))) return
       call view_channel(record, number, view)
       figure%title = channel%name//", record"
@@ -62,7 +63,8 @@ contains
                                                                channel%series_present, marks)
       ! the trend that was removed
       if (channel%clean%trend%degree >= 1) then
-         k = [(((i - 1)*(size(record%value, 1, kind=int64) - 1))/(trend_points - 1), i=1, trend_points)]
+         k = [(((i - 1)*(size(record%value, 1, kind=int64) - 1))/(trend_points - 1), i=1, &
+               trend_points)]
          figure%series(3)%label = "trend"
          figure%series(3)%color = 1
          figure%series(3)%x = real(k, dp)*record%sample_interval

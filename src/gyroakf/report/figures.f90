@@ -72,7 +72,8 @@ contains
          ! where two names are alike their number stands behind them
          suffix = if_known(size(result%channel) > 1, "-"//plain(result%channel(c)%name))
          if (count([(plain(result%channel(i)%name) == plain(result%channel(c)%name), &
-                     i=1, size(result%channel))]) > 1) suffix = suffix//"-"//count_text(int(c, int64))
+                     i=1, size(result%channel))]) > 1) suffix = suffix//"-"//count_text(int(c, &
+                                                                                            int64))
          do i = 1, size(figure_kinds)
             associate (channel => result%channel(c), figure => built(n)%figure)
                select case (figure_kinds(i))
@@ -119,8 +120,8 @@ contains
       end do
    end subroutine find_figures
 
-   !> A name in letters that every file system takes: letters, digits, - and _; all else becomes _. File systems that do not tell A from a are why
-   !> it is in lower case.
+   !> A name in letters that every file system takes: letters, digits, - and _; all else becomes _.
+   !> File systems that do not tell A from a are why it is in lower case.
    pure function plain(name) result(text)
       character(*), intent(in) :: name
       character(len(name)) :: text

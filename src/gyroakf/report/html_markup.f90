@@ -92,7 +92,8 @@ contains
             tag = "td"
             if ((i <= head .or. j == 1) .and. cell(i, j)%text /= "") tag = "th"
             call put(writer, "<"//tag)
-            if (tag == "th") call put_attribute(writer, "scope", trim(merge("col", "row", i <= head)))
+            if (tag == "th") call put_attribute(writer, "scope", &
+                                                trim(merge("col", "row", i <= head)))
             if (j <= left) call put(writer, " class=""text""")
             call put(writer, ">")
             feed = index(cell(i, j)%text, new_line("a"))

@@ -13,17 +13,16 @@ module gyroakf_report_html_page
    use gyroakf_pipeline_result, only : pipeline_result_type, stage
    use gyroakf_report_figure_allan, only : minimum_note
    use gyroakf_report_figures, only : named_figure_type
-   use gyroakf_report_html_markup, only : close_list, put_attribute, put_element, put_escaped, put_lines
-   use gyroakf_report_html_script, only : page_script
-   use gyroakf_report_html_style, only : page_style
+   use gyroakf_report_html_markup, only : close_list, put_attribute, put_element, put_escaped, &
+      put_lines
+   use gyroakf_report_html_style, only : page_script, page_style
    use gyroakf_report_input, only : put_input
    use gyroakf_report_remarks, only : put_remarks
    use gyroakf_report_svg, only : svg_style, write_svg
    use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_layout, only : count_text, put_paragraph
-   use gyroakf_report_text_noise, only : put_curves_of
    use gyroakf_report_text_overview, only : put_overview
-   use gyroakf_report_text_report, only : put_sections, report_subject
+   use gyroakf_report_text_report, only : put_curves_of, put_sections, report_subject
    implicit none (type, external)
    private
    public :: write_page
@@ -60,7 +59,15 @@ contains
       do c = 1, size(result%channel)
          call put_figures("overlay")
       end do
-      if (size(result%channel) > 1) call put_channel_list()
+      if (size(result%channel) > 1) then
+         call put_line(writer, "<nav aria-label=""Channels""><ul>")
+         do c = 1, size(result%channel)
+            call put(writer, "<li><a href=""#c"//count_text(int(c, int64))//""">")
+            call put_escaped(writer, "Channel "//result%channel(c)%name)
+            call put_line(writer, "</a></li>")
+         end do
+         call put_line(writer, "</ul></nav>")
+      end if
       call put_input(writer, record)
       call close_list(writer)
       do c = 1, size(result%channel)
@@ -111,7 +118,8 @@ contains
          call put_remarks(writer, command, record, result)
          if (command == "run" .or. command == "allan") then
             call put_answer(writer, record, result)
-            if (any([(result%channel(c)%allan(stage%input)%fitted, c=1, size(result%channel))])) then
+            if (any([(result%channel(c)%allan(stage%input)%fitted, c=1, &
+                      size(result%channel))])) then
                call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "// &
                                   minimum_note(), 2)
             end if
@@ -119,17 +127,6 @@ contains
             call put_overview(writer, command, record, result)
          end if
       end subroutine put_summary
-
-      !> Ways to the channels.
-      subroutine put_channel_list()
-         call put_line(writer, "<nav aria-label=""Channels""><ul>")
-         do c = 1, size(result%channel)
-            call put(writer, "<li><a href=""#c"//count_text(int(c, int64))//""">")
-            call put_escaped(writer, "Channel "//result%channel(c)%name)
-            call put_line(writer, "</a></li>")
-         end do
-         call put_line(writer, "</ul></nav>")
-      end subroutine put_channel_list
 
       !> The channel c.
       subroutine put_channel()

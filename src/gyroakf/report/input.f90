@@ -123,6 +123,7 @@ contains
                           number(audit%white_noise, 3)//" of the variance of white noise; "// &
                           plural(audit%empty_slots, "slot")//" in long intervals (missing), "// &
                           plural(audit%dropped, "sample")//" of equal or earlier stamp dropped")
+         case default
          end select
       end subroutine put_resample
 

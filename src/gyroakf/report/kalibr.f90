@@ -55,6 +55,7 @@ contains
       !> As that of [[check_kalibr]]; or a channel has no N or no K
       type(error_type), allocatable, intent(out) :: error
       integer :: measured(size(result%channel))
+      character(:), allocatable :: rate
 
       call check_kalibr(record, error)
       measured = quantities(record)
@@ -71,7 +72,9 @@ contains
       call put_line(writer, "# ones for a low-cost sensor in motion.")
       call put_line(writer, "")
       call put_line(writer, kalibr_mark)
-      call put_line(writer, "update_rate: "//rate_text(1.0_dp/record%sample_interval)//"  # Hz")
+      rate = number(1.0_dp/record%sample_interval, 7)      ! a real number for YAML: never "1e6"
+      if (scan(rate, "eE") > 0) rate = scientific(1.0_dp/record%sample_interval, 7)
+      call put_line(writer, "update_rate: "//rate//if_known(scan(rate, ".") == 0, ".0")//"  # Hz")
       call put_sensor(quantity%acceleration, "accelerometer", "m/s^2", "m/s^3", "m/s^2 or g")
       call put_sensor(quantity%angular_rate, "gyroscope", "rad/s", "rad/s^2", "rad/s or deg/s")
       call put_remarks()
@@ -108,7 +111,8 @@ contains
          character(*), intent(in) :: sensor, density_unit, walk_unit, asked
 
          call put_line(writer, "")
-         if (all(measured /= what)) call put_line(writer, "# The record has no channel in "//asked// &
+         if (all(measured /= what)) call put_line(writer, "# The record has no channel in "// &
+                                                  asked// &
                                                   ": fill in the "//sensor//"'s numbers.")
          call put_number(what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
          call put_number(what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
@@ -132,9 +136,11 @@ contains
             stated(c) = result%channel(c)%allan(stage%input)%stated%term(term)
          end do
          largest = maxloc(strength(stated), dim=1, mask=of)
-         call put_line(writer, key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "// &
+         call put_line(writer, key//": "//scientific(strength(stated(largest)), 5)//"  # "// &
+                       unit//", "// &
                        term_names(term)//" of "//plain(result%channel(largest)%name)// &
-                       if_known(.not. stated(largest)%detected, " is not detectable: its 95 % upper limit"))
+                       if_known(.not. stated(largest)%detected, &
+                                " is not detectable: its 95 % upper limit"))
          do c = 1, size(of)
             if (.not. of(c)) cycle
             text = "not detectable, below "//scientific(stated(c)%upper_limit_si, 5)//" (95 %)"
@@ -181,16 +187,6 @@ contains
       what = record%unit%quantity
       if (allocated(record%channel_unit)) what = record%channel_unit%quantity
    end function quantities
-
-   !> A number that every YAML reader takes for a real one: "200.0", "99.98412", "1.000000e+06" (never "1e6").
-   pure function rate_text(rate) result(text)
-      real(dp), intent(in) :: rate
-      character(:), allocatable :: text
-
-      text = number(rate, 7)
-      if (scan(text, "eE") > 0) text = scientific(rate, 7)
-      if (scan(text, ".") == 0) text = text//".0"
-   end function rate_text
 
    !> For a comment: no line ends.
    pure function plain(text) result(line)

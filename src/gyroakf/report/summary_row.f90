@@ -7,7 +7,7 @@ module gyroakf_report_summary_row
    use gyroakf_units, only : term_names
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names, &
       stated_coefficient_type
-   use gyroakf_report_csv_row, only : csv_row_type
+   use gyroakf_report_csv, only : csv_row_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document, only : gather_warnings
    use gyroakf_report_input, only : has_unit, unit_name

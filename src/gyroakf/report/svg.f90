@@ -45,8 +45,9 @@ module gyroakf_report_svg
       "svg { --text: #1b1d20; --soft: #565c64; --card: #fff; --line: #cfd3d8; background: var(--card) }", &
       "@media screen and (prefers-color-scheme: dark) { svg { --text: #e6e7e9; --soft: #a9b0b9; --card: #16181b;", &
       "  --line: #3d434b } }"]
-   !> The rules that a page needs for its figures; they take the variables --text, --soft, --card and
-   !> --line of the page. Colors of the series are those of Okabe and Ito, distinguishable by the color-blind
+   !> The rules that a page needs for its figures; they take the variables --text, --soft, --card
+   !> and --line of the page. Colors of the series are those of Okabe and Ito, distinguishable by
+   !> the color-blind
    character(*), parameter, public :: svg_style(*) = [character(128) :: &
       ".fig { color: var(--text) } .fig .soft { color: var(--soft) } .fig text { fill: var(--text);", &
       "  stroke: none; font: 13px system-ui, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif }", &
@@ -131,13 +132,15 @@ contains
          call find_ticks(x, x_spacing, tick)
          do i = 1, size(tick)
             at = position(x, tick(i)%value)
-            call put_path(writer, trim(grid(min(1, len_trim(tick(i)%label)))), [at, at], [bottom, top])
+            call put_path(writer, trim(grid(min(1, len_trim(tick(i)%label)))), [at, at], &
+                          [bottom, top])
             call put_text(writer, "middle", at, bottom + 22.0_dp, trim(tick(i)%label))
          end do
          call find_ticks(y, y_spacing, tick)
          do i = 1, size(tick)
             at = position(y, tick(i)%value)
-            call put_path(writer, trim(grid(min(1, len_trim(tick(i)%label)))), [left, right], [at, at])
+            call put_path(writer, trim(grid(min(1, len_trim(tick(i)%label)))), [left, right], &
+                          [at, at])
             call put_text(writer, "end", left - 7.0_dp, at + 5.0_dp, trim(tick(i)%label))
          end do
          call put_text(writer, "middle label", (left + right)/2, bottom + 48.0_dp, figure%x_label)

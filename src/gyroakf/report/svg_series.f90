@@ -36,6 +36,9 @@ module gyroakf_report_svg_series
    real(dp), parameter :: row_height = 26.0_dp, legend_column(0:1) = [12.0_dp, 356.0_dp]
    !> Pixel of what is not drawn
    real(dp), parameter, public :: outside = -1.0_dp
+   !> Styles with a line, and with points
+   character(6), parameter :: line_styles(3) = [character(6) :: "line", "both", "guide"], &
+                              dot_styles(3) = [character(6) :: "points", "both", "mark"]
    !> Letters that fit into a column on a narrow screen
    integer, parameter :: column_letters = 31
 
@@ -55,8 +58,8 @@ contains
       if (.not. allocated(series%x)) return
       at = places(series, x, y)
       call put_group(writer, "series "//trim(series%style), series, number)
-      if (has_line(series)) call put_path(writer, "", at(1, :), at(2, :))
-      do i = 1, merge(size(at, 2), 0, has_dots(series))
+      if (any(series%style == line_styles)) call put_path(writer, "", at(1, :), at(2, :))
+      do i = 1, merge(size(at, 2), 0, any(series%style == dot_styles))
          if (at(1, i) <= outside) cycle
          if (allocated(series%lower)) then
             if (is_shown(y, series%lower(i)) .and. is_shown(y, series%upper(i))) then
@@ -117,28 +120,16 @@ contains
             at = [legend_column(modulo(cell(i), 2)), top + row_height*real(cell(i)/2, dp)]
             call put_group(writer, "key "//trim(s%style), s, i)
             if (allocated(s%x)) then
-               if (has_line(s)) call put_path(writer, "", at(1) + [0.0_dp, 28.0_dp], [at(2), at(2)])
-               if (has_dots(s)) call put_circle(writer, s, at + [14, 0], 0, .false.)
+               if (any(s%style == line_styles)) call put_path(writer, "", &
+                                                              at(1) + [0.0_dp, 28.0_dp], &
+                                                              [at(2), at(2)])
+               if (any(s%style == dot_styles)) call put_circle(writer, s, at + [14, 0], 0, .false.)
             end if
             call put_text(writer, "start", at(1) + 38.0_dp, at(2) + 5.0_dp, s%label)
             call put_line(writer, "</g>")
          end associate
       end do
    end subroutine put_legend
-
-   !> Whether a series is drawn as a line.
-   pure logical function has_line(series)
-      type(series_type), intent(in) :: series
-
-      has_line = any(series%style == [character(6) :: "line", "both", "guide"])
-   end function has_line
-
-   !> Whether its points are drawn.
-   pure logical function has_dots(series)
-      type(series_type), intent(in) :: series
-
-      has_dots = any(series%style == [character(6) :: "points", "both", "mark"])
-   end function has_dots
 
    !> Pixel below the last row of a legend.
    pure real(dp) function legend_bottom(series, top)
@@ -208,16 +199,16 @@ contains
       !> Of the point in its series, 0 in the legend
       integer, intent(in) :: number
       logical, intent(in) :: hollow
-      character(6) :: class
+      character(6) :: name
       real(dp) :: radius
 
-      class = merge("hollow", "dot   ", hollow)
+      name = merge("hollow", "dot   ", hollow)
       radius = 3.8_dp
       if (series%style == "mark") then
-         class = "ring"
+         name = "ring"
          radius = merge(9.0_dp, 8.0_dp, number > 0)
       end if
-      call put_pixels(writer, "<path class="""//trim(class)//""" data-i=""", [real(number, dp)], "")
+      call put_pixels(writer, "<path class="""//trim(name)//""" data-i=""", [real(number, dp)], "")
       call put_pixels(writer, """ d=""M", [at(1) - radius, at(2)], "")
       call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, 2*radius, 0.0_dp], "")
       call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, -2*radius, 0.0_dp], &

@@ -1,48 +1,29 @@
 ! SPDX-License-Identifier: MIT
-!> The tables of a channel: tests, Table I (AR models), Table II (filters); Table III is in
-!> [[gyroakf_report_text_noise]].
+!> The tables of a channel: tests, Table I (AR models), Table II (filters), Table III (noise
+!> coefficients).
 module gyroakf_report_tables
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_filter_series, only : filter_result_type
-   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, &
+      filter_figures_type, stage
    use gyroakf_record, only : record_type
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_text_layout, only : count_text, fixed, if_known, number, p_value_text, &
       percent, scientific
    use gyroakf_report_text_table, only : add_cell, add_row, new_table, table_type
    use gyroakf_report_verdicts, only : level, whiteness_word
+   use gyroakf_units, only : quantity
    implicit none (type, external)
    private
-   public :: make_tests_table, has_tests, kpss_p_text, bare, make_ar_table, &
-      make_filter_table, has_filters, full_name
+   public :: make_tests_table, kpss_p_text, bare, make_ar_table, make_filter_table, full_name, &
+      make_comparison
 
 contains
 
-   !> A filter at least has a result.
-   pure logical function has_filters(channel)
-      !> Filters are filled as far as they are available
-      type(channel_result_type), intent(in) :: channel
-
-      associate (is => channel%available)
-         has_filters = is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf
-      end associate
-   end function has_filters
-
-   !> One test at least has a result.
-   pure logical function has_tests(channel)
-      !> Tests are filled as far as they are available
-      type(channel_result_type), intent(in) :: channel
-
-      associate (is => channel%available)
-         has_tests = is%adf .or. is%kpss .or. is%jarque_bera .or. is%anderson_darling .or. &
-            is%ljung_box
-      end associate
-   end function has_tests
-
-   !> A row for each test: what it takes for granted, its statistic, and whether it rejects that at
-   !> 5 %.
+   !> A row for each test that has a result: what it takes for granted, its statistic, and whether
+   !> it rejects that at 5 %.
    subroutine make_tests_table(channel, table)
-      !> [[has_tests]]
+      !> Tests are filled as far as they are available
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
@@ -170,6 +151,7 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
+      character(:), allocatable :: text
 
       call new_table(table, 9, head=merge(2, 1, has_unit(record)))
       table%number = "II"
@@ -180,7 +162,6 @@ contains
       if (has_unit(record)) then
          call add_row(table, "", unit_name(record), "("//unit_name(record)//")^2")
       end if
-      table%note = filter_note(channel)
       associate (is => channel%available)
          call add_series("raw", channel%raw%mean, channel%raw%variance)
          call add_series("cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
@@ -200,6 +181,21 @@ contains
             call add_cell(table, "")
             call add_cell(table, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
          end if
+         text = "share: variance over that of the series above that is filtered. gain: mean of "// &
+            "the last third. passes: share of a constant rotation (DC gain). NIS: mean squared "// &
+            "normalized innovation, 1 where Q and R describe the innovations"
+         if (is%kf .and. channel%kf%nis_high > 0.0_dp) text = text//" (95 % of such filters "// &
+            "within "//fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
+         text = text//". |rho|: largest autocorrelation of the innovations."
+         if (is%drift_kf .or. is%drift_akf) text = text//" The paper's filters give out the "// &
+            "whole signal, smoothed; the drift filters the drift alone, to be subtracted, and "// &
+            "a rotation passes into it: estimate it at rest, only predict it in motion."// &
+            if_known(channel%drift%found .and. is%preprocess, " They see the raw record "// &
+                     "without its outliers; its trend is drift to them.")
+         if (is%drift_smoother) text = text//" compensated: the record less its smoothed "// &
+            "drift. In-sample: the drift was taken from the same record, before and after "// &
+            "each sample; no filter in use does as well."
+         table%note = text
       end associate
 
    contains
@@ -232,27 +228,79 @@ contains
 
    end subroutine make_filter_table
 
-   !> What the columns of Table II mean, and what its filters are for.
-   pure function filter_note(channel) result(text)
+   !> Table III: a row for each series, a column for each term.
+   subroutine make_comparison(record, channel, table)
+      !> For the names of the terms
+      type(record_type), intent(in) :: record
+      !> Curves and coefficients as far as they are available
       type(channel_result_type), intent(in) :: channel
+      !> Described
+      type(table_type), intent(out) :: table
+      character(11), parameter :: series(6) = [character(11) :: "raw", "no outliers", "cleaned", &
+                                               "KF", "AKF", "compensated"]
+      character(:), allocatable :: walks
+      integer :: term, which, i
+
+      call new_table(table, 6, head=2)
+      table%number = "III"
+      table%caption = "Noise coefficients from the Allan deviation"
+      select case (record%unit%quantity)
+      case (quantity%angular_rate); walks = "N angle random walk, B bias instability, K rate"
+      case (quantity%acceleration); walks = "N velocity random walk, B bias instability, K"
+      case default; walks = "N white noise, B bias instability, K rate"
+      end select
+      table%note = "Q quantization, "//walks//" random walk, R ramp. +/-: one standard error; <: "// &
+         "not detected, one-sided 95 % limit."
+      call add_row(table, "", "Q", "N", "B", "K", "R")
+      call add_row(table, "")
+      which = findloc(channel%allan%fitted, .true., dim=1)
+      do term = 1, 5
+         if (which == 0) exit
+         associate (unit => channel%allan(which)%stated%term(term)%unit)
+            i = 0                                          ! a wide unit has two lines
+            if (len(unit) > 12) i = max(0, scan(unit, "*/", back=.true.) - 1)
+            call add_cell(table, unit(:i)//if_known(i > 0, new_line("a"))//unit(i + 1:))
+         end associate
+      end do
+      do which = stage%input, stage%compensated
+         if (.not. channel%allan(which)%available) cycle
+         if (which == stage%cleaned .and. .not. channel%available%cleaned) cycle
+         call add_row(table, trim(series(which)))
+         do term = 1, 5
+            call add_cell(table, compared_text(channel%allan(which), term))
+         end do
+      end do
+      associate (left => channel%allan(stage%compensated))
+         if (left%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
+            count_text(int(left%noise%points, int64))//" octaves."
+      end associate
+      if (.not. any(channel%reduction_known .or. channel%reduction_at_least > 0.0_dp)) return
+      table%note = table%note//" reduction: from cleaned to AKF."
+      call add_row(table, "reduction")
+      do term = 1, 5
+         if (channel%reduction_known(term)) then
+            call add_cell(table, number(channel%reduction_percent(term), 3)//" %")
+         else
+            call add_cell(table, if_known(channel%reduction_at_least(term) > 0.0_dp, "> "// &
+                                          number(channel%reduction_at_least(term), 3)//" %", "-"))
+         end if
+      end do
+   end subroutine make_comparison
+
+   !> The value and under it its error, or the limit.
+   pure function compared_text(allan, term) result(text)
+      type(allan_result_type), intent(in) :: allan
+      integer, intent(in) :: term
       character(:), allocatable :: text
 
-      text = "share: variance over that of the series above that is filtered. gain: mean of "// &
-         "the last third. passes: share of a constant rotation (DC gain). NIS: mean squared "// &
-         "normalized innovation, 1 where Q and R describe the innovations"
-      associate (is => channel%available)
-         if (is%kf .and. channel%kf%nis_high > 0.0_dp) text = text//" (95 % of such filters "// &
-            "within "//fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
-         text = text//". |rho|: largest autocorrelation of the innovations."
-         if (is%drift_kf .or. is%drift_akf) text = text//" The paper's filters give out the "// &
-            "whole signal, smoothed; the drift filters the drift alone, to be subtracted, and "// &
-            "a rotation passes into it: estimate it at rest, only predict it in motion."// &
-            if_known(channel%drift%found .and. is%preprocess, " They see the raw record "// &
-                     "without its outliers; its trend is drift to them.")
-         if (is%drift_smoother) text = text//" compensated: the record less its smoothed "// &
-            "drift. In-sample: the drift was taken from the same record, before and after "// &
-            "each sample; no filter in use does as well."
+      text = "-"
+      associate (stated => allan%stated%term(term))
+         if (allan%fitted .and. stated%state == "withheld") text = "withheld"
+         if (.not. (allan%fitted .and. stated%fitted)) return
+         if (stated%detected) text = number(stated%value, 4)//new_line("a")//"+/- "// &
+            number(stated%std_error, 2)
+         if (.not. stated%detected) text = "< "//number(stated%upper_limit, 3)
       end associate
-   end function filter_note
+   end function compared_text
 
 end module gyroakf_report_tables

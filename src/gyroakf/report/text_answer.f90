@@ -10,7 +10,8 @@ module gyroakf_report_text_answer
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
    use gyroakf_report_text_layout, only : if_known, number, put_item, put_paragraph, &
       report_width, rounded
-   use gyroakf_report_text_table, only : add_cell, add_row, column_widths, new_table, put_table, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, column_widths, new_table, put_table, &
+      table_type
    use gyroakf_units, only : quantity
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
@@ -41,7 +42,8 @@ contains
             if (unit_of(result%channel(last + 1)) /= unit_of(result%channel(first))) exit
             last = last + 1
          end do
-         if (any(fitted(first:last))) call put_group(writer, record, result%channel(first:last), first)
+         if (any(fitted(first:last))) call put_group(writer, record, result%channel(first:last), &
+                                                     first)
       end do
       if (.not. any(fitted)) return
       call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld", 2)

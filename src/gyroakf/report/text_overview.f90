@@ -10,7 +10,7 @@ module gyroakf_report_text_overview
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_document_tests, only : put_ar
    use gyroakf_report_input, only : unit_name
-   use gyroakf_report_tables, only : bare, full_name, has_filters, has_tests, kpss_p_text, &
+   use gyroakf_report_tables, only : bare, full_name, kpss_p_text, &
       make_ar_table, make_filter_table, make_tests_table
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, &
@@ -43,11 +43,92 @@ contains
          return
       end if
       select case (command)
-      case ("tests"); call make_tests(result%channel, table)
-      case ("ar"); call make_models(result%channel, table)
-      case default; call make_filters(result%channel, table)
+      case ("tests"); call make_tests()
+      case ("ar"); call make_models()
+      case default; call make_filters()
       end select
       call put_below(writer, table, table%note)
+
+   contains
+
+      !> The filters of several channels.
+      subroutine make_filters()
+         integer :: c
+
+         call new_table(table, 9, head=2)
+         call add_row(table, "", "outliers", "AR", "KF", "", "AKF", "", "drift KF", "smoother")
+         call add_row(table, "", "", "order", "share", "passes", "share", "passes", "share", &
+                      "share")
+         table%note = "share: variance of the output over that of the input. passes: share of a "// &
+            "constant rotation"
+         do c = 1, size(result%channel)
+            associate (one => result%channel(c), is => result%channel(c)%available)
+               call add_row(table, one%name, &
+                            if_known(is%preprocess, count_text(one%clean%removed)), &
+                            if_known(is%ar, count_text(int(one%ar%order, int64))), &
+                            if_known(is%kf, percent(one%kf_figures%variance_ratio)), &
+                            if_known(is%kf, percent(one%kf%dc_gain)), &
+                            if_known(is%akf, percent(one%akf_figures%variance_ratio)), &
+                            if_known(is%akf, percent(one%akf%dc_gain)), &
+                            if_known(is%drift_kf, percent(one%drift_kf_figures%variance_ratio), &
+                                     "-"), &
+                            if_known(is%drift_smoother, &
+                                     percent(one%drift_smoother_figures%variance_ratio), "-"))
+            end associate
+         end do
+      end subroutine make_filters
+
+      !> The AR models of several channels.
+      subroutine make_models()
+         integer :: c, i
+
+         call new_table(table, 9)
+         call add_row(table, "", "order", "phi_1", "phi_2", "phi_3", "variance", "predicts", &
+                      "|rho|", "residuals")
+         table%note = "order: by "//full_name(result%channel(1)%ar%criterion)// &
+            ". variance: of the "// &
+            "residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
+            "autocorrelation of the residuals"
+         do c = 1, size(result%channel)
+            call add_row(table, result%channel(c)%name)
+            if (.not. result%channel(c)%available%ar) cycle
+            associate (ar => result%channel(c)%ar, test => result%channel(c)%ar%residual_ljung_box)
+               call add_cell(table, count_text(int(ar%order, int64)))
+               do i = 1, 3
+                  if (i <= ar%order) call add_cell(table, number(ar%coefficient(i), 4))
+                  if (i > ar%order) call add_cell(table, "")
+               end do
+               call add_cell(table, scientific(ar%noise_variance, 4))
+               call add_cell(table, number(result%channel(c)%predictable_percent, 3)//" %")
+               call add_cell(table, number(test%largest_rho, 2))
+               call add_cell(table, if_known(test%lags > 0, trim(whiteness_word(test))))
+            end associate
+         end do
+      end subroutine make_models
+
+      !> The tests of several channels.
+      subroutine make_tests()
+         integer :: c
+
+         call new_table(table, 8, head=2)
+         call add_row(table, "", "unit root", "level", "normal", "excess", "white", "largest", &
+                      "noise")
+         call add_row(table, "", "ADF", "KPSS", "Jarque-Bera", "kurtosis", "Ljung-Box", "|rho|")
+         table%note = "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is "// &
+            "rejected where they are small"
+         do c = 1, size(result%channel)
+            associate (one => result%channel(c), is => result%channel(c)%available)
+               call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value)), &
+                            if_known(is%kpss, kpss_p_text(one)), &
+                            if_known(is%jarque_bera, bare(one%jarque_bera%p_value)), &
+                            if_known(is%jarque_bera, number(one%jarque_bera%kurtosis - 3, 2)), &
+                            if_known(is%ljung_box, bare(one%ljung_box%p_value)), &
+                            if_known(is%ljung_box, number(one%ljung_box%largest_rho, 2)), &
+                            if_known(one%verdict%wanted, trim(verdict_text(one))))
+            end associate
+         end do
+      end subroutine make_tests
+
    end subroutine put_overview
 
    !> A table below an empty line, and what it means.
@@ -84,9 +165,10 @@ contains
                end do
             end if
          end if
-         if (.not. has_tests(channel)) return
          call make_tests_table(channel, table)
-         call put_below(writer, table, table%caption//". "//table%note)
+         if (size(table%cell, 1) > table%head) then
+            call put_below(writer, table, table%caption//". "//table%note)
+         end if
       case ("ar")
          if (.not. channel%available%ar) return
          call make_ar_table(record, channel, table)
@@ -94,21 +176,23 @@ contains
          call out%attach(writer)
          call put_ar(out, channel)
       case default
-         if (channel%available%preprocess) then
+         associate (clean => channel%clean)
             text = "no outliers looked for"
-            if (channel%clean%method /= "none") text = plural(channel%clean%removed, "outlier")//" ("// &
-               percent(channel%clean%fraction)//") beyond "//number(channel%clean%threshold, 4)//" sigma ("// &
-               trim(channel%clean%method)//")"
-            if (channel%clean%trend%degree > 3) then
-               text = text//"; polynomial of degree "//count_text(int(channel%clean%trend%degree, int64))// &
-                  " trend"
-            else if (channel%clean%trend%degree >= 0) then
-               text = text//"; "//trim(names(channel%clean%trend%degree))//" trend"
+            if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("// &
+               percent(clean%fraction)//") beyond "//number(clean%threshold, 4)//" sigma ("// &
+               trim(clean%method)//")"
+            if (clean%trend%degree > 3) then
+               text = text//"; polynomial of degree "// &
+                  count_text(int(clean%trend%degree, int64))//" trend"
+            else if (clean%trend%degree >= 0) then
+               text = text//"; "//trim(names(clean%trend%degree))//" trend"
             end if
-            call put_item(writer, "Cleaned", text)
-         end if
+            if (channel%available%preprocess) call put_item(writer, "Cleaned", text)
+         end associate
          if (channel%available%ar) call put_model()
-         if (has_filters(channel)) call put_series()
+         associate (is => channel%available)
+            if (is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf) call put_series()
+         end associate
          call put_rmse()
       end select
 
@@ -144,7 +228,8 @@ contains
          do i = 1, size(full%cell, 1)
             if (i > full%head .and. .not. any(shown == full%cell(i, 1)%text)) cycle
             associate (cell => full%cell(i, :))
-               call add_row(table, cell(1)%text, cell(3)%text, cell(4)%text, if_known(i == 1, "N"), &
+               call add_row(table, cell(1)%text, cell(3)%text, cell(4)%text, &
+                            if_known(i == 1, "N"), &
                             cell(6)%text, if_known(i > 1, cell(9)%text, "innovations"))
             end associate
             do j = 1, size(stages)
@@ -181,85 +266,5 @@ contains
       end subroutine put_rmse
 
    end subroutine put_one
-
-   !> The filters of several channels.
-   subroutine make_filters(channel, table)
-      type(channel_result_type), intent(in) :: channel(:)
-      type(table_type), intent(out) :: table
-      integer :: c
-
-      call new_table(table, 9, head=2)
-      call add_row(table, "", "outliers", "AR", "KF", "", "AKF", "", "drift KF", "smoother")
-      call add_row(table, "", "", "order", "share", "passes", "share", "passes", "share", "share")
-      table%note = "share: variance of the output over that of the input. passes: share of a "// &
-         "constant rotation"
-      do c = 1, size(channel)
-         associate (one => channel(c), is => channel(c)%available)
-            call add_row(table, one%name, &
-                         if_known(is%preprocess, count_text(one%clean%removed)), &
-                         if_known(is%ar, count_text(int(one%ar%order, int64))), &
-                         if_known(is%kf, percent(one%kf_figures%variance_ratio)), &
-                         if_known(is%kf, percent(one%kf%dc_gain)), &
-                         if_known(is%akf, percent(one%akf_figures%variance_ratio)), &
-                         if_known(is%akf, percent(one%akf%dc_gain)), &
-                         if_known(is%drift_kf, percent(one%drift_kf_figures%variance_ratio), "-"), &
-                         if_known(is%drift_smoother, &
-                                  percent(one%drift_smoother_figures%variance_ratio), "-"))
-         end associate
-      end do
-   end subroutine make_filters
-
-   !> The AR models of several channels.
-   subroutine make_models(channel, table)
-      type(channel_result_type), intent(in) :: channel(:)
-      type(table_type), intent(out) :: table
-      integer :: c, i
-
-      call new_table(table, 9)
-      call add_row(table, "", "order", "phi_1", "phi_2", "phi_3", "variance", "predicts", &
-                   "|rho|", "residuals")
-      table%note = "order: by "//full_name(channel(1)%ar%criterion)//". variance: of the "// &
-         "residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
-         "autocorrelation of the residuals"
-      do c = 1, size(channel)
-         call add_row(table, channel(c)%name)
-         if (.not. channel(c)%available%ar) cycle
-         associate (ar => channel(c)%ar, test => channel(c)%ar%residual_ljung_box)
-            call add_cell(table, count_text(int(ar%order, int64)))
-            do i = 1, 3
-               if (i <= ar%order) call add_cell(table, number(ar%coefficient(i), 4))
-               if (i > ar%order) call add_cell(table, "")
-            end do
-            call add_cell(table, scientific(ar%noise_variance, 4))
-            call add_cell(table, number(channel(c)%predictable_percent, 3)//" %")
-            call add_cell(table, number(test%largest_rho, 2))
-            call add_cell(table, if_known(test%lags > 0, trim(whiteness_word(test))))
-         end associate
-      end do
-   end subroutine make_models
-
-   !> The tests of several channels.
-   subroutine make_tests(channel, table)
-      type(channel_result_type), intent(in) :: channel(:)
-      type(table_type), intent(out) :: table
-      integer :: c
-
-      call new_table(table, 8, head=2)
-      call add_row(table, "", "unit root", "level", "normal", "excess", "white", "largest", "noise")
-      call add_row(table, "", "ADF", "KPSS", "Jarque-Bera", "kurtosis", "Ljung-Box", "|rho|")
-      table%note = "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is "// &
-         "rejected where they are small"
-      do c = 1, size(channel)
-         associate (one => channel(c), is => channel(c)%available)
-            call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value)), &
-                         if_known(is%kpss, kpss_p_text(one)), &
-                         if_known(is%jarque_bera, bare(one%jarque_bera%p_value)), &
-                         if_known(is%jarque_bera, number(one%jarque_bera%kurtosis - 3, 2)), &
-                         if_known(is%ljung_box, bare(one%ljung_box%p_value)), &
-                         if_known(is%ljung_box, number(one%ljung_box%largest_rho, 2)), &
-                         if_known(one%verdict%wanted, trim(verdict_text(one))))
-         end associate
-      end do
-   end subroutine make_tests
 
 end module gyroakf_report_text_overview
