@@ -70,6 +70,10 @@ holds "slopes" "-1/2" out
 good "no chart" allan "$example" --chart off --out nochart
 is "no chart in the report" "$(grep -c 'against tau\|1/2' out)" 0
 is "no chart in report.txt" "$(grep -c 'against tau\|1/2' nochart/report.txt)" 0
+good "a first screen" run "$example"
+holds "a Kalman filter takes N without the outliers" "at 5 Hz in SI, without outliers: N 0.000283 rad/sqrt(s)" out
+good "no outliers are looked for" run "$example" --outliers none
+holds "a Kalman filter takes N of the record" "at 5 Hz in SI: N 0.000286 rad/sqrt(s)" out
 bad "--chart of tests" 1 "not one of 'tests'" tests "$example" --chart on
 
 # files that options name
