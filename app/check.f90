@@ -6,7 +6,6 @@ module gyroakf_app_check
    use gyroakf_io_writer, only : is_file, is_same_file, after_dots
    use gyroakf_report_files, only : document_mark, foreign_file, foreign_result, is_marked, result_files
    use gyroakf_report_kalibr, only : kalibr_mark
-   use gyroakf_report_latex, only : latex_mark
    use gyroakf_units, only : unit_type, is_integral, parse_units, quantity
    use gyroakf_app_config, only : config_type, file_options, has_many_files, is_analysis, reads_files
    use gyroakf_app_file_list, only : summary_files, summary_marks
@@ -16,7 +15,7 @@ module gyroakf_app_check
    public :: check_job, check_existing, is_result
 
    !> Of the files of [[gyroakf_app_config:file_options]] that gyroakf wrote
-   character(48), parameter :: file_marks(3) = [character(48) :: document_mark, kalibr_mark, latex_mark]
+   character(48), parameter :: file_marks(2) = [character(48) :: document_mark, kalibr_mark]
 
 contains
 

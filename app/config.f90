@@ -11,7 +11,7 @@ module gyroakf_app_config
    public :: config_type, new_config, reads_files, is_analysis, has_many_files, file_options
 
    !> Options that name a file of results each, in the order of `config_type%file`
-   character(8), parameter :: file_options(3) = [character(8) :: "--json", "--kalibr", "--latex"]
+   character(8), parameter :: file_options(2) = [character(8) :: "--json", "--kalibr"]
 
    !> A job; texts are "" where an option was not given
    type :: config_type
@@ -41,7 +41,7 @@ module gyroakf_app_config
       !> Directory of the result files
       character(:), allocatable :: out
       !> Files of [[gyroakf_app_config:file_options]]; "-" is standard output
-      type(text_type) :: file(3)
+      type(text_type) :: file(size(file_options))
       !> How the series are written into `out`, and the digits of a simulated record
       type(series_output_type) :: series
       !> File of the true drift, read by run and filter, written by simulate

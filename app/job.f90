@@ -11,7 +11,6 @@ module gyroakf_app_job
    use gyroakf_report_document, only : write_document
    use gyroakf_report_files, only : remove_others, write_results
    use gyroakf_report_kalibr, only : write_kalibr
-   use gyroakf_report_latex, only : write_latex
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_app_config, only : config_type, file_options
    use gyroakf_app_interrupt, only : guard_files, interrupted, release_files
@@ -143,8 +142,7 @@ contains
       if (allocated(error)) return
       select case (file_options(kind))
       case ("--json"); call write_document(writer, record, result, config%command_line)
-      case ("--kalibr"); call write_kalibr(writer, record, result, error)
-      case default; call write_latex(writer, record, result)
+      case default; call write_kalibr(writer, record, result, error)
       end select
    end subroutine write_kind
 

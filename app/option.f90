@@ -247,9 +247,6 @@ module gyroakf_app_option
       option_type("--kalibr", "FILE", "text", "run allan", "output", &
                   "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
                   "files into the folder of each", frequent=.true.), &
-      option_type("--latex", "FILE", "text", "run", "output", &
-                  "write the tables (tests, AR models, filters, coefficients) as LaTeX for \input, with the package "// &
-                  "booktabs; - is standard output; of many files into the folder of each"), &
       option_type("--series-format", "csv|npy|f64", "choice", "run filter", "output", &
                   "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
                   "time, and of each channel raw, cleaned, kf, akf)"), &

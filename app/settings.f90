@@ -280,7 +280,7 @@ contains
          end if
       case ("--series-format"); config%series%form = value%text
       case ("--threads"); config%threads = int(value%count)
-      case ("--json", "--kalibr", "--latex"); i = findloc(file_options == option%name, .true., dim=1)
+      case ("--json", "--kalibr"); i = findloc(file_options == option%name, .true., dim=1)
          config%file(i)%text = value%text
          if (value%text == "-" .and. option%name == "--kalibr") call value_error(option, "it needs the name of a file", error)
       case ("--out"); config%out = value%text

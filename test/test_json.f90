@@ -41,7 +41,7 @@ contains
       names(2)%text = "gy"
       call json%open("")
       call json%put("schema", 1)
-      call json%open_list("list")
+      call json%open("list", list=.true.)
       call json%open("")
       call json%put("yes", .true.)
       call json%put("nothing")
@@ -65,7 +65,7 @@ contains
       call json%open("")
       call json%open("a")
       call json%close()
-      call json%open_list("b")
+      call json%open("b", list=.true.)
       call json%close()
       call json%put("c", nothing)
       call json%close()
@@ -155,7 +155,7 @@ contains
       logical :: valid
       integer :: i
 
-      call json%open_list("")
+      call json%open("", list=.true.)
       do i = 1, 3000
          call json%put("", i)
       end do

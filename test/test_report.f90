@@ -12,7 +12,7 @@ module test_report
    use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, &
          plural, &
       rounded
-   use gyroakf_report_text_table, only : table_type, new_table, set_cell, put_table
+   use gyroakf_report_text_table, only : add_row, table_type, new_table, put_table
    use gyroakf_utf8, only : text_width
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
@@ -117,11 +117,9 @@ contains
       type(table_type) :: table
       character(:), allocatable :: text
 
-      call new_table(table, 2, 2)
-      call set_cell(table, 1, 1, char(194)//char(176))
-      call set_cell(table, 1, 2, "12")
-      call set_cell(table, 2, 1, "ab")
-      call set_cell(table, 2, 2, "3")
+      call new_table(table, 2)
+      call add_row(table, char(194)//char(176), "12")
+      call add_row(table, "ab", "3")
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)

@@ -6,7 +6,8 @@ module test_table
    use gyroakf_io_writer, only : writer_type
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, report_width
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_text_table, only : add_row, cell_line, cell_lines, new_table, put_table, set_cell, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, cell_line, new_table, put_table, &
+      table_type
    use report_fixture, only : begin_text, end_text
    implicit none (type, external)
    private
@@ -58,7 +59,7 @@ contains
       type(table_type) :: table
       character(:), allocatable :: text
 
-      call new_table(table, 2, 2)
+      call new_table(table, 2)
       call add_row(table, "", "sigma^2")
       call add_row(table, "gx", "1 +/- 0.1")
       call begin_text(writer)
@@ -102,17 +103,16 @@ contains
       type(table_type) :: table
       character(:), allocatable :: text
 
-      call check(error, cell_lines("") == 1 .and. cell_lines("a"//lf//"b") == 2)
-      call check(error, cell_line("a"//lf//"bc", 2)//"|"//cell_line("a"//lf//"bc", 1)//"|"//cell_line("a", 2)//"|", "bc|a||")
-      call new_table(table, 2, 3)
-      call add_row(table, "", "x;y")
-      call set_cell(table, 2, 1, "a")
-      call set_cell(table, 2, 2, "12.5"//lf//"+/- 1")
-      call set_cell(table, 2, 3, "7")
+      call check(error, cell_line("a"//lf//"bc", 2)//"|"//cell_line("a"//lf//"bc", 1)//"|"// &
+                 cell_line("a", 2)//"|"//cell_line("a", 1), "bc|a||a")
+      call new_table(table, 3)
+      call add_row(table, "", "x", "y;z")
+      call add_row(table, "a", "12.5"//lf//"+/- 1")
+      call add_cell(table, "7")
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)
-      call check(error, text, "         x  y"//lf//"  a   12.5  7"//lf//"     +/- 1"//lf)
+      call check(error, text, "         x  y;z"//lf//"  a   12.5    7"//lf//"     +/- 1"//lf)
    end subroutine test_lines
 
    !> What does not fit goes on below, with the first column again.
@@ -122,13 +122,13 @@ contains
       type(table_type) :: table
       character(:), allocatable :: text
 
-      call new_table(table, 1, 4)
-      call add_row(table, "name", repeat("b", 30)//";"//repeat("c", 30)//";"//repeat("d", 30))
+      call new_table(table, 4)
+      call add_row(table, "name", repeat("b", 30), repeat("c", 30), repeat("d", 30))
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)
       call check(error, text, "  name  "//repeat("b", 30)//"  "//repeat("c", 30)//lf//lf//"  name  "//repeat("d", 30)//lf)
-      call set_cell(table, 1, 4, repeat("d", 9))
+      table%cell(1, 4)%text = repeat("d", 9)
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)
@@ -142,9 +142,8 @@ contains
       type(table_type) :: table
       character(:), allocatable :: text
 
-      call new_table(table, 1, 2)
-      call set_cell(table, 1, 1, repeat("é", report_width))
-      call set_cell(table, 1, 2, "1")
+      call new_table(table, 2)
+      call add_row(table, repeat("é", report_width), "1")
       call begin_text(writer)
       call put_table(writer, table, verbatim=.true.)
       call end_text(writer, text)

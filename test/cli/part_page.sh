@@ -22,6 +22,9 @@ is "nothing from outside" "$(grep -cE 'https?://|@import' page.d/report.html)" 0
 is "every name once" "$(grep -oE ' id="[^"]*"' page.d/report.html | sort | uniq -d | wc -l)" 0
 
 good "one channel" page.txt --out page_one.d --quiet
+holds "the cleaned curve" "Cleaned: oadev" page_one.d/report.html
+good "nothing is cleaned" page.txt --outliers none --detrend none --out page_raw.d --quiet
+is "no cleaned curve" "$(grep -c 'Cleaned: oadev' page_raw.d/report.html)" 0
 for k in $(sed -n '/"allan": {/,/"cleaned"/s/.*"tau_s": \[\(.*\)\].*/\1/p' page_one.d/results.json | head -n 1 | tr -d ',' | xargs printf '%.6g '); do
    holds "the curve has tau = $k" ">$k</th>" page_one.d/report.html
 done

@@ -70,31 +70,21 @@ holds "slopes" "-1/2" out
 good "no chart" allan "$example" --chart off --out nochart
 is "no chart in the report" "$(grep -c 'against tau\|1/2' out)" 0
 is "no chart in report.txt" "$(grep -c 'against tau\|1/2' nochart/report.txt)" 0
+good "a first screen" run "$example"
+holds "a Kalman filter takes N without the outliers" "at 5 Hz in SI, without outliers: N 0.000283 rad/sqrt(s)" out
+good "no outliers are looked for" run "$example" --outliers none
+holds "a Kalman filter takes N of the record" "at 5 Hz in SI: N 0.000286 rad/sqrt(s)" out
 bad "--chart of tests" 1 "not one of 'tests'" tests "$example" --chart on
 
-# tables
-good "tables" run "$example" --details --latex t.tex --json t_tables.json
-holds "the report beside the tables" "Table III" out
-holds "Table I in LaTeX" '\caption{AR models' t.tex
-is "LaTeX is ASCII" "$(beyond t.tex)" 0
-good "tables are replaced" run "$example" --latex t.tex --quiet
-good "LaTeX on standard output" run "$example" --latex -
-if cmp -s out t.tex; then pass; else fail "--latex - is not the file"; fi
-bad "two on standard output" 1 "--json and --latex would both be on standard output" run "$example" --json - --latex -
-bad "two in one file" 1 "name the same file './x'" run "$example" --latex x --kalibr ./x
-bad "over the recording" 1 "--latex would overwrite the recording" run bare.txt --latex ./bare.txt
-bad "over a result" 1 "--latex and --out name the same file" run "$example" --latex o/report.txt --out o
-bad "over the truth" 1 "overwrite the true drift" run drift.txt --truth drift_truth.txt --latex drift_truth.txt
-bad "tables of many files" 1 "--latex with many files needs --out" run bare.txt drift.txt --latex t.tex
-bad "tables of many files" 1 "a name without a folder" run bare.txt drift.txt --latex - --out tables
-good "tables of many files" run bare.txt drift.txt --latex t.tex --out tables --quiet
-is "a folder for each" "$(cd tables && echo */t.tex)" "bare/t.tex drift/t.tex"
-bad "--latex of allan" 1 "not one of 'allan'" allan "$example" --latex x.tex
-good "five channels" run five.txt --latex five.tex --quiet
-is "tables of five channels" "$(grep -c '\\begin{table}' five.tex)" 20
-if command -v pdflatex >/dev/null && kpsewhich booktabs.sty >/dev/null; then
-   printf '%s\n' '\documentclass{article}' '\usepackage{booktabs}' '\begin{document}' '\input{five.tex}' '\input{t.tex}' '\end{document}' >paper.tex
-   if pdflatex -halt-on-error -interaction=nonstopmode paper.tex >paper.log 2>&1; then pass
-   else fail "pdflatex: $(grep -m 2 '^!' paper.log)"; fi
-   is "no line of a table is too wide" "$(grep -c 'Overfull .hbox' paper.log)" 0
-fi
+# files that options name
+good "details" run "$example" --details
+holds "the tables of the paper" "Table III" out
+bad "two in one file" 1 "name the same file './x'" run "$example" --json ./x --kalibr x
+bad "over the recording" 1 "--json would overwrite the recording" run bare.txt --json ./bare.txt
+bad "over a result" 1 "--kalibr and --out name the same file" run "$example" --kalibr o/report.txt --out o
+bad "over the truth" 1 "overwrite the true drift" run drift.txt --truth drift_truth.txt --json drift_truth.txt
+bad "Kalibr's file of many files" 1 "--kalibr with many files needs --out" run bare.txt drift.txt --kalibr k.yaml
+bad "Kalibr's file of many files" 1 "a name without a folder" run bare.txt drift.txt --kalibr ./k.yaml --out tables
+good "Kalibr's file of many files" run bare.txt drift.txt --rate 100 --unit deg/s --kalibr k.yaml --out tables --quiet
+is "a folder for each" "$(cd tables && echo */k.yaml)" "bare/k.yaml drift/k.yaml"
+bad "--kalibr of tests" 1 "not one of 'tests'" tests "$example" --kalibr x.yaml

@@ -36,12 +36,11 @@ END
 fi
 
 # what gyroakf wrote is replaced; other files, records and files of options are kept
-good "results again" run w.txt --out w_csv --json w_again.json --latex w.tex --kalibr w.yaml --rate 100 --unit deg/s --quiet
+good "results again" run w.txt --out w_csv --json w_again.json --kalibr w.yaml --rate 100 --unit deg/s --quiet
 good "and again" allan w.txt --out w_csv --json w_again.json --kalibr w.yaml --rate 100 --unit deg/s --quiet
 is "results of the earlier run are gone" "$(cd w_csv && echo *)" "allan.csv coefficients.csv figures report.html report.txt results.json"
 holds "those of the new one are there" "gyroakf allan w.txt" w_again.json
 holds "and in the page" "gyroakf allan w.txt" w_csv/report.html
-good "tables again" run w.txt --latex w.tex --quiet
 good "an inspection over them" inspect w.txt -o w_csv -q
 is "no page of the earlier run" "$(cd w_csv && echo *)" "figures report.txt results.json"
 good "binary series again" filter w.txt --out w_npy --series-format f64 --quiet
@@ -71,7 +70,7 @@ printf '{\n  "result": {\n    "program": "gyroakf"\n  }\n}\n' >w_nested.json
 kept "a document around one" w_nested.json run w.txt --json w_nested.json
 kept "a record" w.txt simulate --output w.txt
 kept "a record as a result" w3.txt run w.txt --json w3.txt
-kept "a record as tables" w3.txt run w.txt --latex w3.txt
+kept "a record as Kalibr's file" w3.txt run w.txt --rate 100 --unit deg/s --kalibr w3.txt
 sed -i 's/imu0 .*/imu7/' w.yaml
 kept "a file of Kalibr that was completed" w.yaml allan w.txt --rate 100 --unit deg/s --kalibr w.yaml
 good "by force" run w.txt --json w.json --out w_csv --series-format f64 --force --quiet

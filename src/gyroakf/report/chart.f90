@@ -19,7 +19,7 @@ module gyroakf_report_chart
    !> Dots of a character, as Braille has them: two beside each other, four below
    integer, parameter :: dots_across = 2, dots_down = 4
    !> What a cell shows beside dots (1 to 255) and letters (their number more than `letter`)
-   integer, parameter :: nothing = 0, bar = 256, point = 257, letter = 1000
+   integer, parameter :: nothing = 0, bar = 256, letter = 1000
 
 contains
 
@@ -43,7 +43,8 @@ contains
       integer, allocatable :: cell(:, :)
       type(axis_type) :: x, y
       logical :: usable(size(tau))
-      integer :: height, column, row, i
+      character(1) :: sign
+      integer :: height, column, i
 
       height = chart_rows
       if (present(rows)) height = rows
@@ -65,10 +66,10 @@ contains
       end do
       do i = 1, size(tau)
          if (.not. usable(i)) cycle
-         column = dot_of(x, tau(i))/dots_across
-         row = dot_of(y, deviation(i))/dots_down
-         cell(column, row) = point
-         if (present(mark)) cell(column, row) = letter + iachar(mark(i))
+         sign = "o"
+         if (present(mark)) sign = mark(i)
+         cell(dot_of(x, tau(i))/dots_across, dot_of(y, &
+                                                    deviation(i))/dots_down) = letter + iachar(sign)
       end do
       call draw_slopes()
       call frame_lines()
@@ -142,6 +143,7 @@ contains
          type(tick_type), allocatable :: tick(:)
          logical :: is_tick(0:chart_columns - 1)
          integer :: row, column, i
+         integer :: first, last
 
          allocate (lines(height + 2))
          call find_ticks(y, spacing, tick)
@@ -166,7 +168,11 @@ contains
             if (tick(i)%label == "") cycle
             column = dot_of(x, tick(i)%value)/dots_across
             is_tick(column) = .true.
-            call put_centred(below, 2 + label_width + 2 + column, trim(tick(i)%label))
+            label = trim(tick(i)%label)                    ! where no other one is in its way
+            first = 2 + label_width + 2 + column - len(label)/2
+            first = max(1, min(len(below) - len(label) + 1, first))
+            last = first + len(label) - 1
+            if (below(max(1, first - 1):min(len(below), last + 1)) == "") below(first:last) = label
          end do
          text = repeat(" ", 2 + label_width)//trim(merge("└", "+  ", unicode))
          do column = 0, chart_columns - 1
@@ -188,18 +194,6 @@ contains
       dot_of = nint(max(min(axis%from, axis%to), min(max(axis%from, axis%to), position(axis, value))))
    end function dot_of
 
-   !> Writes a label below its tick, where no other one is in its way.
-   pure subroutine put_centred(line, middle, text)
-      character(*), intent(inout) :: line
-      integer, intent(in) :: middle
-      character(*), intent(in) :: text
-      integer :: first, last
-
-      first = max(1, min(len(line) - len(text) + 1, middle - len(text)/2))
-      last = first + len(text) - 1
-      if (line(max(1, first - 1):min(len(line), last + 1)) == "") line(first:last) = text
-   end subroutine put_centred
-
    !> One character.
    pure function shown(cell, unicode) result(text)
       integer, intent(in) :: cell
@@ -208,8 +202,6 @@ contains
 
       if (cell > letter) then
          text = achar(cell - letter)
-      else if (cell == point) then
-         text = "o"
       else if (cell == bar) then
          text = "|"
          if (unicode) text = "│"

@@ -1,17 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> series.csv: the series before and after as a table for other programs, or as binary rows.
+!> series.csv: the series before and after as a table for other programs, or as binary rows; and the
+!> CSV renderer of a description: its members in a line, of a list how many values it has.
 module gyroakf_report_csv
-   use gyroakf_kinds, only : int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_io_columns_writer, only : begin_rows, column_type, put_rows, row_layout_type, &
       set_even
-   use gyroakf_io_writer, only : writer_type, put, put_line
-   use gyroakf_pipeline_result, only : pipeline_result_type, channel_result_type
+   use gyroakf_io_writer, only : format_real, put, put_line, writer_type
+   use gyroakf_pipeline_result, only : pipeline_result_type
+   use gyroakf_report_description, only : description_type, unknown_type
+   use gyroakf_report_text_layout, only : count_text, if_known
    implicit none (type, external)
    private
-   public :: write_series, series_output_type, quoted
+   public :: write_series, series_output_type, csv_row_type, quoted
 
    !> How the series are written
    type :: series_output_type
@@ -25,6 +28,20 @@ module gyroakf_report_csv
    character(11), parameter :: series_names(8) = [character(11) :: "raw", "cleaned", "kf", "akf", &
                                                   "drift", "compensated", &
                                                   "drift_kf", "drift_akf"]
+
+   !> Enough for every number of a file that was written with 15 digits
+   integer, parameter :: digits = 15
+
+   !> Every member takes a column, known or not, which its title names, or else its key
+   type, extends(description_type) :: csv_row_type
+      !> Names and values
+      character(:), allocatable :: head, line
+   contains
+      procedure :: begin
+      procedure :: close => close_group
+      procedure :: value => put_value
+      procedure :: values => put_values
+   end type csv_row_type
 
 contains
 
@@ -50,69 +67,51 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Progress callback, in samples
       class(progress_type), intent(inout), optional :: progress
-      type(column_type) :: columns(1 + size(series_names)*size(result%channel))
+      type(column_type), target :: columns(1 + size(series_names)*size(result%channel))
+      type(column_type), pointer :: of(:)
       type(row_layout_type) :: layout
       integer(int64) :: n
-      integer :: c
+      integer :: c, i
 
       n = size(record%value, 1, kind=int64)
       columns%digits = output%digits
       call set_even(columns(1), 0_int64, record%sample_interval)
-      do c = 1, size(result%channel)
-         call set_columns(columns(2 + (c - 1)*size(series_names):1 + c*size(series_names)), &
-                          record, result%channel(c), c)
-      end do
       layout%form = "text"
       if (output%form /= "csv") layout%form = output%form
       layout%stage = "writing series."//output%form
-      if (layout%form == "text") call put_heads(writer, result)
+      if (layout%form == "text") call put(writer, "time")
+      do c = 1, size(result%channel)
+         of => columns(2 + (c - 1)*size(series_names):1 + c*size(series_names))
+         associate (channel => result%channel(c))
+            do i = 1, merge(size(series_names), 0, layout%form == "text")
+               call put(writer, ","//quoted(if_known(size(result%channel) > 1, channel%name// &
+                                                     "_")// &
+                                            trim(series_names(i))))
+            end do
+            of(1)%value => record%value(:, c)
+            if (allocated(record%present)) of(1)%present => record%present(:, c)
+            if (allocated(channel%series_cleaned)) of(2)%value => channel%series_cleaned
+            of(2)%present => of(1)%present
+            if (allocated(channel%series_present)) of(2)%present => channel%series_present
+            if (allocated(channel%series_kf) .and. &
+                channel%available%kf) of(3)%value => channel%series_kf
+            if (allocated(channel%series_akf) .and. channel%available%akf) then
+               of(4)%value => channel%series_akf
+            end if
+            if (allocated(channel%series_drift)) of(5)%value => channel%series_drift
+            if (allocated(channel%series_compensated)) of(6)%value => channel%series_compensated
+            of(6)%present => of(1)%present
+            if (allocated(channel%series_drift_kf)) of(7)%value => channel%series_drift_kf
+            if (allocated(channel%series_drift_akf)) of(8)%value => channel%series_drift_akf
+         end associate
+      end do
+      if (layout%form == "text") call put_line(writer, "")
       call begin_rows(writer, size(columns), n, layout)
       call put_rows(writer, columns, 1_int64, n, layout, error, progress)
    end subroutine write_series
 
-   !> The line of names.
-   subroutine put_heads(writer, result)
-      type(writer_type), intent(inout) :: writer
-      type(pipeline_result_type), intent(in) :: result
-      character(:), allocatable :: prefix
-      integer :: c, i
-
-      call put(writer, "time")
-      do c = 1, size(result%channel)
-         prefix = ""
-         if (size(result%channel) > 1) prefix = result%channel(c)%name//"_"
-         do i = 1, size(series_names)
-            call put(writer, ","//quoted(prefix//trim(series_names(i))))
-         end do
-      end do
-      call put_line(writer, "")
-   end subroutine put_heads
-
-   !> One channel's columns; what was not computed stays nan.
-   subroutine set_columns(columns, record, channel, c)
-      !> In the order of the names
-      type(column_type), intent(inout) :: columns(:)
-      type(record_type), intent(in), target :: record
-      type(channel_result_type), intent(in), target :: channel
-      integer, intent(in) :: c
-
-      columns(1)%value => record%value(:, c)
-      if (allocated(record%present)) columns(1)%present => record%present(:, c)
-      if (allocated(channel%series_cleaned)) columns(2)%value => channel%series_cleaned
-      columns(2)%present => columns(1)%present
-      if (allocated(channel%series_present)) columns(2)%present => channel%series_present
-      if (allocated(channel%series_kf) .and. &
-          channel%available%kf) columns(3)%value => channel%series_kf
-      if (allocated(channel%series_akf) .and. &
-          channel%available%akf) columns(4)%value => channel%series_akf
-      if (allocated(channel%series_drift)) columns(5)%value => channel%series_drift
-      if (allocated(channel%series_compensated)) columns(6)%value => channel%series_compensated
-      columns(6)%present => columns(1)%present
-      if (allocated(channel%series_drift_kf)) columns(7)%value => channel%series_drift_kf
-      if (allocated(channel%series_drift_akf)) columns(8)%value => channel%series_drift_akf
-   end subroutine set_columns
-
-   !> A field of text, in quotes where it needs them; one that a spreadsheet would take for a formula begins with an apostrophe.
+   !> A field of text, in quotes where it needs them; one that a spreadsheet would take for a formula begins
+   !> with an apostrophe.
    pure function quoted(text) result(field)
       !> Any
       character(*), intent(in) :: text
@@ -129,5 +128,56 @@ contains
       end do
       field = field//'"'
    end function quoted
+
+   !> A line has no groups.
+   subroutine begin(self, key, list)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      logical, intent(in) :: list
+
+      self%complete = self%complete .or. key == "" .or. list
+   end subroutine begin
+
+   subroutine close_group(self)
+      class(csv_row_type), intent(inout) :: self
+
+      self%complete = .true.
+   end subroutine close_group
+
+   subroutine put_value(self, key, value)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value
+      character(:), allocatable :: text, name
+
+      if (.not. self%member%shown) return
+      text = ""
+      select type (value)
+      type is (real(dp)); text = format_real(value, digits)
+      type is (integer); text = count_text(int(value, int64))
+      type is (integer(int64)); text = count_text(value)
+      type is (logical); text = trim(merge("true ", "false", value))
+      type is (character(*)); text = quoted(value)
+      type is (unknown_type); if (value%number) text = "nan"
+      end select
+      name = key
+      if (allocated(self%member%title)) name = self%member%title
+      if (allocated(self%line)) then
+         self%head = self%head//","//name
+         self%line = self%line//","//text
+      else
+         self%head = name
+         self%line = text
+      end if
+   end subroutine put_value
+
+   !> Of a list, how many values it has.
+   subroutine put_values(self, key, value)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value(:)
+
+      call put_value(self, key, size(value))
+   end subroutine put_values
 
 end module gyroakf_report_csv

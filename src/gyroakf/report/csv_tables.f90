@@ -9,8 +9,6 @@ module gyroakf_report_csv_tables
    use gyroakf_ar_spectrum, only : ar_spectrum
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names
    use gyroakf_report_csv, only : quoted
-   use gyroakf_stats_correlation, only : correlation_type
-   use gyroakf_stats_histogram, only : histogram_type
    implicit none (type, external)
    private
    public :: write_table
@@ -45,44 +43,14 @@ contains
       !> Name of its file
       character(*), intent(in) :: table
       !> What came out
-      type(pipeline_result_type), intent(in) :: result
+      type(pipeline_result_type), intent(in), target :: result
       !> Sample interval, s; 1 without a rate
       real(dp), intent(in) :: interval
-      character(:), allocatable :: name
-      real(dp) :: frequency(0:frequency_steps)
-      integer :: c, i
-
-      call put_line(writer, head_of(table))
-      frequency = [(real(i, dp), i=0, frequency_steps)]/(2.0_dp*real(frequency_steps, dp)*interval)
-      do c = 1, size(result%channel)
-         name = quoted(result%channel(c)%name)
-         associate (channel => result%channel(c), is => result%channel(c)%available, &
-                    welch => result%channel(c)%spectrum, ar => result%channel(c)%ar)
-            select case (table)
-            case ("allan.csv"); call put_curves(writer, name, channel)
-            case ("coefficients.csv"); call put_coefficients(writer, name, channel)
-            case ("correlation.csv")
-               if (is%correlation) call put_correlation(writer, name, channel%correlation)
-            case ("histogram.csv")
-               if (is%histogram) call put_bins(writer, name, channel%histogram)
-            case ("spectrum.csv")
-               if (.not. is%spectrum) cycle
-               call put_rows(writer, name, size(welch%frequency), &
-                             [welch%frequency, welch%density, welch%lower, welch%upper, &
-                              welch%one_sided, welch%edf], spectrum_digits)
-            case default
-               if (.not. (is%ar .and. ar%stationary)) cycle
-               call put_rows(writer, name, size(frequency), &
-                             [frequency, (ar_spectrum(ar, frequency(i), interval), i=0, frequency_steps)])
-            end select
-         end associate
-      end do
-   end subroutine write_table
-
-   !> The names of the columns.
-   pure function head_of(table) result(head)
-      character(*), intent(in) :: table
-      character(:), allocatable :: head
+      type(channel_result_type), pointer :: channel
+      character(:), allocatable :: name, head
+      real(dp) :: frequency(0:frequency_steps), none
+      integer, allocatable :: lag(:)
+      integer :: c, i, n
 
       select case (table)
       case ("allan.csv"); head = "series,kind,tau,deviation,lower,upper,edf,terms,model"
@@ -94,43 +62,145 @@ contains
       case ("spectrum.csv"); head = "frequency,density_two_sided,lower,upper,density_one_sided,edf"
       case default; head = "frequency,density"
       end select
-      head = "channel,"//head
-   end function head_of
-
-   !> Numbers with a comma in front of each.
-   subroutine put_numbers(writer, values, significant)
-      type(writer_type), intent(inout) :: writer
-      real(dp), intent(in) :: values(:)
-      !> Digits (default 15)
-      integer, intent(in), optional :: significant
-      integer :: i, wanted
-
-      wanted = digits
-      if (present(significant)) wanted = significant
-      do i = 1, size(values)
-         call put(writer, ",")
-         call put_real(writer, values(i), wanted)
+      call put_line(writer, "channel,"//head)
+      frequency = [(real(i, dp), i=0, frequency_steps)]/(2.0_dp*real(frequency_steps, dp)*interval)
+      none = where_known(0.0_dp, .false.)
+      do c = 1, size(result%channel)
+         channel => result%channel(c)
+         name = quoted(channel%name)
+         associate (is => channel%available, welch => channel%spectrum, &
+                    bins => channel%histogram, correlation => channel%correlation)
+            select case (table)
+            case ("allan.csv"); call put_curves()
+            case ("coefficients.csv"); call put_coefficients()
+            case ("correlation.csv")
+               if (.not. is%correlation) cycle
+               n = correlation%lags
+               lag = [(i, i=1, n)]
+               call put_rows(name, [real(lag, dp), correlation%acf(lag), &
+                                    where_known(correlation%pacf(lag), &
+                                                lag <= correlation%partial_lags), &
+                                    correlation%limit(lag), correlation%ljung_box(lag), &
+                                    correlation%ljung_box_p(lag), correlation%bartlett(lag), &
+                                    real(correlation%pairs(lag), dp)], 8)
+            case ("histogram.csv")                         ! what is below, the bins, what is above
+               if (.not. is%histogram) cycle
+               n = size(bins%count)
+               call put_rows(name, [none, bins%edge(0), real(bins%below, dp), &
+                                    bins%expected_below, none, none], 6)
+               call put_rows(name, [bins%edge(0:n - 1), bins%edge(1:n), real(bins%count, dp), &
+                                    bins%expected, bins%density, bins%normal_density], 6)
+               call put_rows(name, [bins%edge(n), none, real(bins%above, dp), &
+                                    bins%expected_above, none, none], 6)
+            case ("spectrum.csv")
+               if (.not. is%spectrum) cycle
+               call put_rows(name, [welch%frequency, welch%density, welch%lower, welch%upper, &
+                                    welch%one_sided, welch%edf], 6, spectrum_digits)
+            case default
+               if (.not. (is%ar .and. channel%ar%stationary)) cycle
+               call put_rows(name, [frequency, (ar_spectrum(channel%ar, frequency(i), interval), &
+                                                i=0, frequency_steps)], 2)
+            end select
+         end associate
       end do
-   end subroutine put_numbers
 
-   !> Lines of names and numbers.
-   subroutine put_rows(writer, names, n, values, significant)
-      type(writer_type), intent(inout) :: writer
-      !> Of every line
-      character(*), intent(in) :: names
-      !> Lines
-      integer, intent(in) :: n
-      !> Column after column, n of each
-      real(dp), intent(in) :: values(:)
-      integer, intent(in), optional :: significant
-      integer :: i
+   contains
 
-      do i = 1, n
-         call put(writer, names)
-         call put_numbers(writer, values(i::n), significant)
-         call put_line(writer, "")
-      end do
-   end subroutine put_rows
+      !> Numbers with a comma in front of each.
+      subroutine put_numbers(values, significant)
+         real(dp), intent(in) :: values(:)
+         !> Digits (default 15)
+         integer, intent(in), optional :: significant
+         integer :: i, wanted
+
+         wanted = digits
+         if (present(significant)) wanted = significant
+         do i = 1, size(values)
+            call put(writer, ",")
+            call put_real(writer, values(i), wanted)
+         end do
+      end subroutine put_numbers
+
+      !> Lines of names and numbers.
+      subroutine put_rows(names, values, columns, significant)
+         !> Of every line
+         character(*), intent(in) :: names
+         !> Column after column
+         real(dp), intent(in) :: values(:)
+         integer, intent(in) :: columns
+         integer, intent(in), optional :: significant
+         integer :: i, n
+
+         n = size(values)/columns
+         do i = 1, n
+            call put(writer, names)
+            call put_numbers(values(i::n), significant)
+            call put_line(writer, "")
+         end do
+      end subroutine put_rows
+
+      !> The curves of every series, with the model where one was fitted.
+      subroutine put_curves()
+         real(dp), allocatable :: model(:)
+         integer :: which
+
+         do which = stage%input, stage%compensated
+            associate (allan => channel%allan(which))
+               if (.not. allan%available) cycle
+               model = 0*allan%curve%tau
+               if (allan%fitted) model = allan%noise%model
+               call put_curve(which, allan%curve, model)
+               if (.not. allocated(allan%other)) cycle
+               do i = 1, size(allan%other)
+                  if (allocated(allan%other(i)%tau)) then
+                     call put_curve(which, allan%other(i), 0*allan%other(i)%tau)
+                  end if
+               end do
+            end associate
+         end do
+      end subroutine put_curves
+
+      !> One curve.
+      subroutine put_curve(which, curve, model)
+         integer, intent(in) :: which
+         type(allan_curve_type), intent(in) :: curve
+         !> Fitted deviations, not positive where the fit says nothing
+         real(dp), intent(in) :: model(:)
+
+         call put_rows(name//","//trim(stage_names(which))//","//trim(curve%kind), &
+                       [curve%tau, curve%deviation, curve%lower, curve%upper, curve%edf, &
+                        real(curve%terms, dp), where_known(model, model > 0.0_dp)], 7)
+      end subroutine put_curve
+
+      !> The terms of every series.
+      subroutine put_coefficients()
+         integer :: which
+
+         do which = stage%input, stage%compensated
+            associate (allan => channel%allan(which), term => channel%allan(which)%stated%term)
+               if (.not. allan%fitted) cycle
+               do i = 1, size(term)
+                  call put(writer, name//","//trim(stage_names(which))//","//term_names(i))
+                  call put_numbers(where_known([term(i)%value, term(i)%std_error, &
+                                                term(i)%upper_limit], term(i)%fitted))
+                  call put(writer, ","//trim(merge("true ", "false", term(i)%detected))//","// &
+                           quoted(term(i)%unit))
+                  call put_numbers(where_known( &
+                                   [channel%reduction_percent(i), allan%read_off%value(i)], &
+                                   [which == stage%akf .and. channel%reduction_known(i), &
+                                    allan%read_off%found(i)]))
+                  call put_numbers(where_known( &
+                                   [term(i)%value_si, term(i)%std_error_si, &
+                                    term(i)%upper_limit_si], &
+                                   term(i)%fitted .and. allan%stated%in_units))
+                  call put_line(writer, ","//quoted(term(i)%unit_si)//","// &
+                                quoted(term(i)%definition)//","//trim(term(i)%state))
+               end do
+            end associate
+         end do
+      end subroutine put_coefficients
+
+   end subroutine write_table
 
    !> A value, NaN where it is not known.
    elemental real(dp) function where_known(value, known)
@@ -140,106 +210,5 @@ contains
       where_known = ieee_value(value, ieee_quiet_nan)
       if (known) where_known = value
    end function where_known
-
-   !> The curves of every series, with the model where one was fitted.
-   subroutine put_curves(writer, name, channel)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: names
-      integer :: which, i
-
-      do which = stage%input, stage%compensated
-         names = name//","//trim(stage_names(which))//","
-         associate (allan => channel%allan(which))
-            if (.not. allan%available) cycle
-            if (allan%fitted) then
-               call put_curve(writer, names, allan%curve, allan%noise%model)
-            else
-               call put_curve(writer, names, allan%curve, 0*allan%curve%tau)
-            end if
-            if (.not. allocated(allan%other)) cycle
-            do i = 1, size(allan%other)
-               if (.not. allocated(allan%other(i)%tau)) cycle
-               call put_curve(writer, names, allan%other(i), 0*allan%other(i)%tau)
-            end do
-         end associate
-      end do
-   end subroutine put_curves
-
-   !> One curve.
-   subroutine put_curve(writer, names, curve, model)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: names
-      type(allan_curve_type), intent(in) :: curve
-      !> Fitted deviations, not positive where the fit says nothing
-      real(dp), intent(in) :: model(:)
-
-      call put_rows(writer, names//trim(curve%kind), size(curve%tau), &
-                    [curve%tau, curve%deviation, curve%lower, curve%upper, curve%edf, &
-                     real(curve%terms, dp), where_known(model, model > 0.0_dp)])
-   end subroutine put_curve
-
-   !> The terms of every series.
-   subroutine put_coefficients(writer, name, channel)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      type(channel_result_type), intent(in) :: channel
-      integer :: which, i
-
-      do which = stage%input, stage%compensated
-         associate (allan => channel%allan(which), term => channel%allan(which)%stated%term)
-            if (.not. allan%fitted) cycle
-            do i = 1, size(term)
-               call put(writer, name//","//trim(stage_names(which))//","//term_names(i))
-               call put_numbers(writer, where_known([term(i)%value, term(i)%std_error, &
-                                                     term(i)%upper_limit], term(i)%fitted))
-               call put(writer, ","//trim(merge("true ", "false", term(i)%detected))//","// &
-                        quoted(term(i)%unit))
-               call put_numbers(writer, where_known( &
-                                [channel%reduction_percent(i), allan%read_off%value(i)], &
-                                [which == stage%akf .and. channel%reduction_known(i), &
-                                 allan%read_off%found(i)]))
-               call put_numbers(writer, where_known( &
-                                [term(i)%value_si, term(i)%std_error_si, term(i)%upper_limit_si], &
-                                term(i)%fitted .and. allan%stated%in_units))
-               call put_line(writer, ","//quoted(term(i)%unit_si)//","// &
-                             quoted(term(i)%definition)//","//trim(term(i)%state))
-            end do
-         end associate
-      end do
-   end subroutine put_coefficients
-
-   !> The lags from 1 on.
-   subroutine put_correlation(writer, name, is)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      type(correlation_type), intent(in) :: is
-      integer :: lag(is%lags), k
-
-      lag = [(k, k=1, is%lags)]
-      call put_rows(writer, name, is%lags, [real(lag, dp), is%acf(1:is%lags), &
-                    where_known(is%pacf(1:is%lags), lag <= is%partial_lags), is%limit(1:is%lags), &
-                    is%ljung_box(1:is%lags), is%ljung_box_p(1:is%lags), is%bartlett(1:is%lags), &
-                    real(is%pairs(1:is%lags), dp)])
-   end subroutine put_correlation
-
-   !> What is below, the bins, what is above.
-   subroutine put_bins(writer, name, is)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: name
-      type(histogram_type), intent(in) :: is
-      real(dp) :: none
-      integer :: n
-
-      none = where_known(0.0_dp, .false.)
-      n = size(is%count)
-      call put_rows(writer, name, 1, &
-                    [none, is%edge(0), real(is%below, dp), is%expected_below, none, none])
-      call put_rows(writer, name, n, [is%edge(0:n - 1), is%edge(1:n), real(is%count, dp), &
-                                      is%expected, is%density, is%normal_density])
-      call put_rows(writer, name, 1, &
-                    [is%edge(n), none, real(is%above, dp), is%expected_above, none, none])
-   end subroutine put_bins
 
 end module gyroakf_report_csv_tables

@@ -42,11 +42,9 @@ module gyroakf_report_description
       !> It shows the members of a group that is not known, too
       logical :: complete = .false.
    contains
-      !> Begins a group of members, `open(key, title, shown)`; the key is "" at the root and in a
-      !> list
+      !> Begins a group of members, or a list of values or groups without keys,
+      !> `open(key, title, shown, list)`; the key is "" at the root and in a list
       procedure, non_overridable :: open => open_group
-      !> Begins a list of values or groups without keys, `open_list(key, title, shown)`
-      procedure, non_overridable :: open_list
       !> Ends the group or list that was begun last
       procedure(end_group), deferred :: close
       !> Begins a group that may be missing, `opens(key, known, title, shown)`: a member without a
@@ -117,14 +115,14 @@ contains
       if (present(shown)) member%shown = shown
    end subroutine set_member
 
-   subroutine open_group(self, key, title, shown)
+   subroutine open_group(self, key, title, shown, list)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown
+      logical, intent(in), optional :: shown, list
 
       call set_member(self%member, title, shown=shown)
-      call self%begin(key, .false.)
+      call self%begin(key, present(list))
    end subroutine open_group
 
    !> Whether the group is begun.
@@ -139,16 +137,6 @@ contains
       if (opens) call self%open(key, title, shown)
       if (.not. opens) call self%put(key)
    end function opens
-
-   subroutine open_list(self, key, title, shown)
-      class(description_type), intent(inout) :: self
-      character(*), intent(in) :: key
-      character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown
-
-      call set_member(self%member, title, shown=shown)
-      call self%begin(key, .true.)
-   end subroutine open_list
 
    subroutine remark(self, text)
       class(description_type), intent(inout) :: self
@@ -196,14 +184,13 @@ contains
       character(*), intent(in), optional :: title
       logical, intent(in), optional :: shown
 
-      if (present(known)) then
-         if (.not. known) then
-            call self%put(key)
-            return
-         end if
-      end if
+      logical :: given
+
+      given = .true.
+      if (present(known)) given = known
       call set_member(self%member, title, std_errors=std_errors, shown=shown)
-      call self%values(key, value)
+      if (given) call self%values(key, value)
+      if (.not. given) call self%put(key)
    end subroutine put_values
 
    subroutine put_texts(self, key, texts, title)
@@ -213,11 +200,8 @@ contains
       character(*), intent(in), optional :: title
       type(text_type) :: nothing(0)
 
-      if (present(texts)) then
-         call self%put(key, texts, title=title)
-      else
-         call self%put(key, nothing)
-      end if
+      if (present(texts)) call self%put(key, texts, title=title)
+      if (.not. present(texts)) call self%put(key, nothing)
    end subroutine put_texts
 
 end module gyroakf_report_description

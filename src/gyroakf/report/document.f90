@@ -58,15 +58,11 @@ contains
       call out%put("version", release_string)
       call out%put("command_line", command_line)
       call put_input(out, record, result)
-      call out%open_list("channels")
-      if (present(result)) then
-         if (allocated(result%channel)) then
-            do c = 1, size(result%channel)
-               call view_channel(record, c, view)
-               call put_channel(out, view, result%channel(c))
-            end do
-         end if
-      end if
+      call out%open("channels", list=.true.)
+      do c = 1, channels_of(result)
+         call view_channel(record, c, view)
+         call put_channel(out, view, result%channel(c))
+      end do
       call out%close()
       call out%close()
    end subroutine put_document
@@ -97,15 +93,6 @@ contains
       call gather_warnings(record, warnings, result, notes=.true.)
       call out%put("notes", warnings)
       call out%put("stored_type", record%stored_type)
-      call put_stamps(out, record)
-      call out%close()
-   end subroutine put_input
-
-   !> What the time stamps show beyond gaps; zeros without stamps.
-   subroutine put_stamps(out, record)
-      class(description_type), intent(inout) :: out
-      type(record_type), intent(in) :: record
-
       associate (audit => record%audit)
          call out%put("backward_steps", audit%backward_steps)
          call out%put("repeated_rows", audit%repeated)
@@ -120,18 +107,16 @@ contains
          call out%put("clock_resolution_s", audit%resolution)
          call out%put("jitter_rms_s", audit%jitter_rms)
          call out%open("resample")
-         if (allocated(record%resample)) then
-            call out%put("method", record%resample)
-         else
-            call out%put("method", "index")
-         end if
+         if (allocated(record%resample)) call out%put("method", record%resample)
+         if (.not. allocated(record%resample)) call out%put("method", "index")
          call out%put("empty_slots", audit%empty_slots)
          call out%put("dropped", audit%dropped)
          call out%put("largest_shift_s", audit%largest_shift)
          call out%put("white_noise_variance", audit%white_noise)
          call out%close()
       end associate
-   end subroutine put_stamps
+      call out%close()
+   end subroutine put_input
 
    !> One element of "channels".
    subroutine put_channel(out, record, channel)
@@ -160,6 +145,15 @@ contains
       call out%close()
    end subroutine put_channel
 
+   !> How many channels came out.
+   pure integer function channels_of(result)
+      type(pipeline_result_type), intent(in), optional :: result
+
+      channels_of = 0
+      if (.not. present(result)) return
+      if (allocated(result%channel)) channels_of = size(result%channel)
+   end function channels_of
+
    !> Warnings of the record, then of the channels, with the name of the channel.
    subroutine gather_warnings(record, warnings, result, notes)
       !> What was read
@@ -174,9 +168,7 @@ contains
 
       allocate (warnings(0))
       call add_list(record%warnings, "")
-      if (.not. present(result)) return
-      if (.not. allocated(result%channel)) return
-      do c = 1, size(result%channel)
+      do c = 1, channels_of(result)
          associate (channel => result%channel(c))
             call add_list(channel%warnings, channel%name//": ")
             call add_list(channel%unavailable, channel%name//": not available: ")

@@ -123,32 +123,43 @@ contains
                          plain%state /= "")
          call out%put("lsb_ratio", stated%lsb_ratio, plain%state /= "")
          call out%put("chi2_reduced", allan%noise%chi2_reduced, shown=.false.)
-         call put_read_off(out, allan%read_off)
+         call out%open("read_off", "Read off")
+         do term = 1, 5
+            call out%put(term_names(term), allan%read_off%value(term), allan%read_off%found(term))
+         end do
+         call out%put("minimum", allan%read_off%minimum, allan%read_off%known)
+         call out%put("minimum_tau_s", allan%read_off%minimum_tau, allan%read_off%known, &
+                      title="at tau =")
+         call out%put("falling", allan%read_off%falling, title="falling at the end")
+         call out%close()
          if (out%opens("density", stated%in_units, "Density of N")) then
             call put_stated(out, "two_sided", stated%density(1), .true.)
             call put_stated(out, "one_sided", stated%density(2), .true.)
             call out%close()
          end if
       end associate
-      call put_description(out, allan%noise, allan%curve)
+      call out%open("fit", "Fit")
+      call out%put("described", allan%noise%described)
+      call out%put("points", allan%noise%points, title="octaves")
+      call out%put("left_out", allan%noise%left_out, title="octaves excluded at short tau")
+      call out%put("cut_off", allan%noise%cut_off, title="at long tau")
+      call out%put("tau_first_s", allan%noise%tau_first, allan%noise%described, title="tau from")
+      call out%put("tau_last_s", allan%noise%tau_last, allan%noise%described, title="to")
+      call out%put("chi2_freedom", allan%noise%chi2_freedom, title="degrees of freedom")
+      call out%put("p_value", allan%noise%chi2_probability)
+      call out%put("floor_percent", 50*allan%noise%floor, title="misfit allowed for")
+      call out%put("kurtosis", allan%noise%kurtosis)
+      if (.not. allan%noise%described) call out%remark(slopes_text(allan%curve))
+      if (allocated(allan%noise%tau)) then
+         call out%put("tau_s", allan%noise%tau, shown=.false.)
+         call out%put("residual", allan%noise%residual, shown=.false.)
+      else
+         call out%put("tau_s")
+         call out%put("residual")
+      end if
+      call out%close()
       call out%close()
    end subroutine put_noise
-
-   !> "read_off": what the curve alone says, null where there is no segment.
-   subroutine put_read_off(out, read_off)
-      class(description_type), intent(inout) :: out
-      type(stated_read_off_type), intent(in) :: read_off
-      integer :: term
-
-      call out%open("read_off", "Read off")
-      do term = 1, 5
-         call out%put(term_names(term), read_off%value(term), read_off%found(term))
-      end do
-      call out%put("minimum", read_off%minimum, read_off%known)
-      call out%put("minimum_tau_s", read_off%minimum_tau, read_off%known, title="at tau =")
-      call out%put("falling", read_off%falling, title="falling at the end")
-      call out%close()
-   end subroutine put_read_off
 
    !> A coefficient, or N as a density, in the stated unit and in SI.
    subroutine put_stated(out, key, stated, in_units, title, shown)
@@ -185,36 +196,5 @@ contains
       call out%put("definition", stated%definition)
       call out%close()
    end subroutine put_stated
-
-   !> "fit": how the terms were fitted.
-   subroutine put_description(out, noise, curve)
-      !> The renderer
-      class(description_type), intent(inout) :: out
-      !> The fit
-      type(noise_type), intent(in) :: noise
-      !> What was fitted
-      type(allan_curve_type), intent(in) :: curve
-
-      call out%open("fit", "Fit")
-      call out%put("described", noise%described)
-      call out%put("points", noise%points, title="octaves")
-      call out%put("left_out", noise%left_out, title="octaves excluded at short tau")
-      call out%put("cut_off", noise%cut_off, title="at long tau")
-      call out%put("tau_first_s", noise%tau_first, noise%described, title="tau from")
-      call out%put("tau_last_s", noise%tau_last, noise%described, title="to")
-      call out%put("chi2_freedom", noise%chi2_freedom, title="degrees of freedom")
-      call out%put("p_value", noise%chi2_probability)
-      call out%put("floor_percent", 50*noise%floor, title="misfit allowed for")
-      call out%put("kurtosis", noise%kurtosis)
-      if (.not. noise%described) call out%remark(slopes_text(curve))
-      if (allocated(noise%tau)) then
-         call out%put("tau_s", noise%tau, shown=.false.)
-         call out%put("residual", noise%residual, shown=.false.)
-      else
-         call out%put("tau_s")
-         call out%put("residual")
-      end if
-      call out%close()
-   end subroutine put_description
 
 end module gyroakf_report_document_allan

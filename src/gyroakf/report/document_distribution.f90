@@ -32,7 +32,7 @@ contains
       call out%put("half_width", channel%clean%half_width, channel%clean%half_width > 0)
       call out%put("converged", channel%clean%converged)
       call out%close()
-      call out%open_list("motion", "Motion")
+      call out%open("motion", "Motion", list=.true.)
       if (allocated(channel%clean%motion)) then
          do k = 1, size(channel%clean%motion, 2, kind=int64)
             call out%open("")
@@ -80,7 +80,20 @@ contains
             call out%close()
          end if
          if (out%opens("histogram", is%histogram, shown=.false.)) then
-           call put_histogram(out, channel%histogram)
+            call out%put("samples", channel%histogram%samples)
+            call out%put("mean", channel%histogram%mean)
+            call out%put("std", channel%histogram%std)
+            call out%put("bin_width", channel%histogram%width)
+            call out%put("bin_steps", channel%histogram%steps)
+            call out%put("bins_limited", channel%histogram%limited)
+            call out%put("below", channel%histogram%below)
+            call out%put("above", channel%histogram%above)
+            call out%put("expected_below", channel%histogram%expected_below)
+            call out%put("expected_above", channel%histogram%expected_above)
+            call out%put("edges", channel%histogram%edge)
+            call out%put("counts", real(channel%histogram%count, dp))
+            call out%put("expected", channel%histogram%expected)
+            call out%close()
          end if
          if (out%opens("quantisation", is%quantisation, "Quantization", &
                        channel%quantisation%quantised)) then
@@ -94,27 +107,6 @@ contains
          end if
       end associate
    end subroutine put_distribution
-
-   !> The members of "histogram".
-   subroutine put_histogram(out, histogram)
-      class(description_type), intent(inout) :: out
-      type(histogram_type), intent(in) :: histogram
-
-      call out%put("samples", histogram%samples)
-      call out%put("mean", histogram%mean)
-      call out%put("std", histogram%std)
-      call out%put("bin_width", histogram%width)
-      call out%put("bin_steps", histogram%steps)
-      call out%put("bins_limited", histogram%limited)
-      call out%put("below", histogram%below)
-      call out%put("above", histogram%above)
-      call out%put("expected_below", histogram%expected_below)
-      call out%put("expected_above", histogram%expected_above)
-      call out%put("edges", histogram%edge)
-      call out%put("counts", real(histogram%count, dp))
-      call out%put("expected", histogram%expected)
-      call out%close()
-   end subroutine put_histogram
 
    !> "fisher_g".
    subroutine put_fisher(out, channel)

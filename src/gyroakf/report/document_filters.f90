@@ -90,17 +90,36 @@ contains
                                                 "and subtract")
          call out%put("name", trim(drift%name), title="model")
          if (channel%verdict%stationary .and. drift%found) then
-           call out%remark("an approximation of the slow part of stationary noise")
+            call out%remark("an approximation of the slow part of stationary noise")
          end if
          call out%remark(drift_source_text(channel))
          call put_model(out, drift%model)
-         call out%open_list("slow", shown=.false.)
+         call out%open("slow", shown=.false., list=.true.)
          do i = 1, drift%model%count
             call out%put("", drift%slow(i))
          end do
          call out%close()
          call put_errors(out, drift%std_error, drift%model%count, drift%errors_known)
-         call put_processes(out, channel)
+         call out%open("processes", "Processes", list=.true.)
+         do i = 1, size(channel%drift_process)
+            associate (process => channel%drift_process(i), known => channel%drift%errors_known)
+               call out%open("")
+               call out%put("kind", trim(merge("walk", "ar1 ", process%walk)), title="kind")
+               call out%put("drift", process%slow)
+               call out%put("correlation_s", process%time, process%time > 0.0_dp, &
+                            std_error=process%time_error, title="correlation time")
+               call out%put("correlation_s_std_error", process%time_error, &
+                            known .and. process%time > 0.0_dp, shown=.false.)
+               call out%put("std", process%std, title="standard deviation")
+               call out%put("k", process%k%value, process%k%detected, process%k%unit, &
+                            process%k%std_error, "K")
+               call out%put("k_std_error", process%k%std_error, known .and. process%k%detected, &
+                            shown=.false.)
+               call out%put("k_unit", process%k%unit, process%walk, shown=.false.)
+               call out%close()
+            end associate
+         end do
+         call out%close()
          call out%put("correlation_s", channel%drift_time, &
                       drift%found .and. channel%drift_time > 0.0_dp, shown=.false.)
          call out%put("drift_std", drift%drift_std, drift%found, &
@@ -111,9 +130,20 @@ contains
          call out%put("level", channel%level%mean, shown=.false.)
          call out%put("level_variance", channel%level%variance, shown=.false.)
          call out%put("log_likelihood", drift%log_likelihood)
-         call out%open_list("candidates", "Candidates")
+         call out%open("candidates", "Candidates", list=.true.)
          do i = 1, size(drift%candidate)
-            call put_candidate(out, drift%candidate(i), i == drift%chosen)
+            call out%open("")
+            call out%put("name", trim(drift%candidate(i)%name), title="model")
+            call out%put("chosen", i == drift%chosen)
+            call put_model(out, drift%candidate(i)%model)
+            call put_errors(out, drift%candidate(i)%std_error, drift%candidate(i)%model%count, &
+                            drift%candidate(i)%errors_known)
+            call out%put("parameters", drift%candidate(i)%parameters)
+            call out%put("log_likelihood", drift%candidate(i)%log_likelihood)
+            call out%put("aic", drift%candidate(i)%aic, title="AIC")
+            call out%put("bic", drift%candidate(i)%bic, title="BIC")
+            call out%put("converged", drift%candidate(i)%converged)
+            call out%close()
          end do
          call out%close()
          call out%put("samples", drift%samples, shown=.false.)
@@ -149,53 +179,5 @@ contains
       call out%put("q_std_error", std_error%q(:count), known, shown=.false.)
       call out%put("r_std_error", std_error%r, known, shown=.false.)
    end subroutine put_errors
-
-   !> "processes": each of them as it is stated.
-   subroutine put_processes(out, channel)
-      class(description_type), intent(inout) :: out
-      type(channel_result_type), intent(in) :: channel
-      integer :: i
-
-      call out%open_list("processes", "Processes")
-      do i = 1, size(channel%drift_process)
-         associate (process => channel%drift_process(i), known => channel%drift%errors_known)
-            call out%open("")
-            call out%put("kind", trim(merge("walk", "ar1 ", process%walk)), title="kind")
-            call out%put("drift", process%slow)
-            call out%put("correlation_s", process%time, process%time > 0.0_dp, &
-                         std_error=process%time_error, title="correlation time")
-            call out%put("correlation_s_std_error", process%time_error, &
-                         known .and. process%time > 0.0_dp, shown=.false.)
-            call out%put("std", process%std, title="standard deviation")
-            call out%put("k", process%k%value, process%k%detected, process%k%unit, &
-                         process%k%std_error, "K")
-            call out%put("k_std_error", process%k%std_error, known .and. process%k%detected, &
-                         shown=.false.)
-            call out%put("k_unit", process%k%unit, process%walk, shown=.false.)
-            call out%close()
-         end associate
-      end do
-      call out%close()
-   end subroutine put_processes
-
-   !> One candidate.
-   subroutine put_candidate(out, candidate, chosen)
-      class(description_type), intent(inout) :: out
-      type(drift_candidate_type), intent(in) :: candidate
-      !> It is the model
-      logical, intent(in) :: chosen
-
-      call out%open("")
-      call out%put("name", trim(candidate%name), title="model")
-      call out%put("chosen", chosen)
-      call put_model(out, candidate%model)
-      call put_errors(out, candidate%std_error, candidate%model%count, candidate%errors_known)
-      call out%put("parameters", candidate%parameters)
-      call out%put("log_likelihood", candidate%log_likelihood)
-      call out%put("aic", candidate%aic, title="AIC")
-      call out%put("bic", candidate%bic, title="BIC")
-      call out%put("converged", candidate%converged)
-      call out%close()
-   end subroutine put_candidate
 
 end module gyroakf_report_document_filters

@@ -51,11 +51,32 @@ contains
       class(description_type), intent(inout) :: out
       !> One channel
       type(channel_result_type), intent(in) :: channel
+      character(1), parameter :: bound(-1:1) = ["<", "=", ">"]
 
       call out%open("tests", "Tests")
       call out%put("series", trim(channel%tested), title="of the")
       if (out%opens("adf", channel%available%adf, "ADF")) call put_adf(out, channel%adf)
-      if (out%opens("kpss", channel%available%kpss, "KPSS")) call put_kpss(out, channel)
+      if (out%opens("kpss", channel%available%kpss, "KPSS")) then
+         call out%remark(rejection_text("level stationarity", .not. channel%kpss%stationary))
+         call out%put("statistic", channel%kpss%statistic)
+         call out%put("p_value", channel%kpss%p_value, title="p "//bound(channel%kpss%p_bound))
+         call out%put("lags", channel%kpss%lags)
+         call out%put("regression", trim(channel%kpss%regression))
+         call out%put("p_bound", bound(channel%kpss%p_bound), shown=.false.)
+         call out%put("p_asymptotic", channel%kpss%p_asymptotic)
+         call out%put("rule", trim(channel%kpss%rule))
+         call out%put("observations", channel%kpss%observations)
+         call out%open("critical", "critical values")
+         call out%put("1%", channel%kpss%critical(4))
+         call out%put("2.5%", channel%kpss%critical(3))
+         call out%put("5%", channel%kpss%critical(2))
+         call out%put("10%", channel%kpss%critical(1))
+         call out%close()
+         call out%put("stationary", channel%kpss%stationary, shown=.false.)
+         call out%put("long_run_variance", channel%kpss%long_run_variance)
+         call out%put("drift", channel%kpss%drift)
+         call out%close()
+      end if
       if (out%opens("jarque_bera", channel%available%jarque_bera, "Jarque-Bera")) then
          associate (test => channel%jarque_bera)
             call out%remark(normality_text(channel))
@@ -102,7 +123,7 @@ contains
       call out%put("level", adf%level)
       call out%put("noise_variance", adf%noise_variance)
       if (allocated(adf%table)) then
-         call out%open_list("table", "Regression")
+         call out%open("table", "Regression", list=.true.)
          do i = 1, size(adf%table)
             call out%open("")
             call out%put("name", trim(adf%table(i)%name), title="coefficient")
@@ -117,34 +138,6 @@ contains
       end if
       call out%close()
    end subroutine put_adf
-
-   !> The members of "kpss": p_bound says whether p is below, at or above p_value, which the table
-   !> bounds.
-   subroutine put_kpss(out, channel)
-      class(description_type), intent(inout) :: out
-      type(channel_result_type), intent(in) :: channel
-      character(1), parameter :: bound(-1:1) = ["<", "=", ">"]
-
-      call out%remark(rejection_text("level stationarity", .not. channel%kpss%stationary))
-      call out%put("statistic", channel%kpss%statistic)
-      call out%put("p_value", channel%kpss%p_value, title="p "//bound(channel%kpss%p_bound))
-      call out%put("lags", channel%kpss%lags)
-      call out%put("regression", trim(channel%kpss%regression))
-      call out%put("p_bound", bound(channel%kpss%p_bound), shown=.false.)
-      call out%put("p_asymptotic", channel%kpss%p_asymptotic)
-      call out%put("rule", trim(channel%kpss%rule))
-      call out%put("observations", channel%kpss%observations)
-      call out%open("critical", "critical values")
-      call out%put("1%", channel%kpss%critical(4))
-      call out%put("2.5%", channel%kpss%critical(3))
-      call out%put("5%", channel%kpss%critical(2))
-      call out%put("10%", channel%kpss%critical(1))
-      call out%close()
-      call out%put("stationary", channel%kpss%stationary, shown=.false.)
-      call out%put("long_run_variance", channel%kpss%long_run_variance)
-      call out%put("drift", channel%kpss%drift)
-      call out%close()
-   end subroutine put_kpss
 
    !> A Ljung-Box test.
    subroutine put_ljung_box(out, key, title, test, available)
@@ -184,7 +177,7 @@ contains
          call out%put("std_errors", model%std_error, shown=.false.)
          call out%put("noise_variance", model%noise_variance)
          call out%put("mean", model%mean, shown=.false.)
-         call out%open_list("table", shown=.false.)
+         call out%open("table", shown=.false., list=.true.)
          do i = lbound(model%table, 1), ubound(model%table, 1)
             call out%open("")
             call out%put("order", model%table(i)%order)
@@ -201,7 +194,7 @@ contains
          call put_ljung_box(out, "residual_ljung_box", "Residuals", model%residual_ljung_box, &
                             model%residual_ljung_box%lags > 0)
          call out%put("stationary", model%stationary, shown=.not. model%stationary)
-         call out%open_list("roots", "Roots")
+         call out%open("roots", "Roots", list=.true.)
          do i = 1, merge(model%order, 0, allocated(model%root))
             call out%open("")
             call out%put("real", model%root(i)%real_part)

@@ -103,10 +103,9 @@ contains
       drawn = size(figure%series)
       do c = 1, size(alike)
          if (.not. alike(c)) cycle
-         associate (channel => result%channel(c))
-            call set_curve(figure%series(drawn), channel%allan(stage%input), channel%name, &
-                           1 + modulo(size(figure%series) - drawn, color_count), style="both")
-         end associate
+         call set_curve(figure%series(drawn), result%channel(c)%allan(stage%input), &
+                        result%channel(c)%name, &
+                        1 + modulo(size(figure%series) - drawn, color_count), style="both")
          drawn = drawn - 1
       end do
    end subroutine build_overlay

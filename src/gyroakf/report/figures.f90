@@ -5,12 +5,14 @@
 !>     call write_svg(writer, figures(1)%figure, .true.)
 module gyroakf_report_figures
    use, intrinsic :: iso_c_binding, only : c_char, c_null_char, c_size_t
+   use gyroakf_kinds, only : int64
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_figure_allan, only : build_allan_figure, build_overlay
-   use gyroakf_report_figure_series, only : build_filter_figure, build_record_figure
-   use gyroakf_report_input, only : unit_name
+   use gyroakf_report_figure_series, only : build_series_figure
    use gyroakf_report_svg, only : figure_type, has_points
+   use gyroakf_spelling, only : lower
+   use gyroakf_report_text_layout, only : count_text, if_known
    implicit none (type, external)
    private
    public :: named_figure_type, build_figures, find_figures, figure_folder, name_length
@@ -60,25 +62,31 @@ contains
       type(named_figure_type), allocatable, intent(out) :: figures(:)
       type(named_figure_type), allocatable :: built(:)
       type(record_type) :: view
+      character(:), allocatable :: suffix
       integer :: c, i, n
 
       allocate (built(1 + size(figure_kinds)*size(result%channel)))
       n = 1
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
+         ! where two names are alike their number stands behind them
+         suffix = if_known(size(result%channel) > 1, "-"//plain(result%channel(c)%name))
+         if (count([(plain(result%channel(i)%name) == plain(result%channel(c)%name), &
+                     i=1, size(result%channel))]) > 1) suffix = suffix//"-"//count_text(int(c, &
+                                                                                            int64))
          do i = 1, size(figure_kinds)
             associate (channel => result%channel(c), figure => built(n)%figure)
                select case (figure_kinds(i))
                case ("overlay"); call build_overlay(record, result, c, figure)
                case ("allan"); call build_allan_figure(view, channel, figure)
-               case ("series"); call build_record_figure(record, c, channel, unit_name(view), figure)
-               case default; call build_filter_figure(record, channel, unit_name(view), figure)
+               case default
+                  call build_series_figure(record, c, channel, figure_kinds(i) == "filters", figure)
                end select
                if (.not. has_points(figure)) cycle
             end associate
             built(n)%kind = figure_kinds(i)
             built(n)%channel = c
-            built(n)%name = figure_folder//"/"//trim(figure_kinds(i))//suffix_of(result, c)//".svg"
+            built(n)%name = figure_folder//"/"//trim(figure_kinds(i))//suffix//".svg"
             n = n + 1
          end do
       end do
@@ -112,39 +120,16 @@ contains
       end do
    end subroutine find_figures
 
-   !> "" of a single channel, else "-" and its name in letters that every file system takes, with
-   !> its number where two are alike.
-   function suffix_of(result, c) result(suffix)
-      type(pipeline_result_type), intent(in) :: result
-      integer, intent(in) :: c
-      character(:), allocatable :: suffix
-      character(12) :: digits
-      integer :: i
-
-      suffix = ""
-      if (size(result%channel) == 1) return
-      suffix = "-"//plain(result%channel(c)%name)
-      do i = 1, size(result%channel)
-         if (i == c .or. plain(result%channel(i)%name) /= plain(result%channel(c)%name)) cycle
-         write (digits, "(i0)") c
-         suffix = suffix//"-"//trim(digits)
-         return
-      end do
-   end function suffix_of
-
-   !> Letters, digits, - and _; all else becomes _. File systems that do not tell A from a are why
-   !> it is in lower case.
+   !> A name in letters that every file system takes: letters, digits, - and _; all else becomes _.
+   !> File systems that do not tell A from a are why it is in lower case.
    pure function plain(name) result(text)
       character(*), intent(in) :: name
       character(len(name)) :: text
-      character(*), parameter :: upper = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", lower = "abcdefghijklmnopqrstuvwxyz"
-      integer :: i, at
+      integer :: i
 
+      text = lower(name)
       do i = 1, len(name)
-         text(i:i) = name(i:i)
-         at = index(upper, text(i:i))
-         if (at > 0) text(i:i) = lower(at:at)
-         if (verify(text(i:i), lower//"0123456789-_") > 0) text(i:i) = "_"
+         if (verify(text(i:i), "abcdefghijklmnopqrstuvwxyz0123456789-_") > 0) text(i:i) = "_"
       end do
    end function plain
 

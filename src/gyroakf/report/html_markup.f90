@@ -5,15 +5,13 @@
 !> [[gyroakf_report_text_layout]] and [[gyroakf_report_text_table]] call these where the writer's
 !> `markup` is on, so that a page says what the terminal says, from the same lines of code.
 module gyroakf_report_html_markup
-   use gyroakf_kinds, only : dp
-   use gyroakf_io_writer, only : writer_type, put, put_line, put_real
+   use gyroakf_io_writer, only : writer_type, put, put_line
    use gyroakf_record, only : text_type
    use gyroakf_utf8, only : sequence_length
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
    public :: html_heading, html_item, html_paragraph, html_table, close_list
-   public :: put_escaped, put_attribute, put_number_attribute, put_element
+   public :: put_escaped, put_attribute, put_element, put_lines
 
 contains
 
@@ -66,7 +64,7 @@ contains
    end subroutine html_paragraph
 
    !> A table in a box that scrolls where it is wider than the window; the first cell of a row names
-   !> it.
+   !> it, an empty one names nothing.
    subroutine html_table(writer, cell, head, left)
       !> The page; its last heading is the caption
       type(writer_type), intent(inout) :: writer
@@ -75,7 +73,8 @@ contains
       !> Rows of the head; columns that are text, from the left
       integer, intent(in) :: head, left
       character(:), allocatable :: caption
-      integer :: i, j
+      character(2) :: tag
+      integer :: i, j, feed
 
       call close_list(writer)
       caption = "Table"
@@ -90,38 +89,24 @@ contains
          if (i == head + 1) call put(writer, "</thead><tbody>")
          call put(writer, "<tr>")
          do j = 1, size(cell, 2)
-            call put_cell(writer, cell(i, j)%text, i <= head, j, left)
+            tag = "td"
+            if ((i <= head .or. j == 1) .and. cell(i, j)%text /= "") tag = "th"
+            call put(writer, "<"//tag)
+            if (tag == "th") call put_attribute(writer, "scope", &
+                                                trim(merge("col", "row", i <= head)))
+            if (j <= left) call put(writer, " class=""text""")
+            call put(writer, ">")
+            feed = index(cell(i, j)%text, new_line("a"))
+            if (feed > 0) call put_escaped(writer, cell(i, j)%text(:feed - 1))
+            if (feed > 0) call put(writer, "<br>")
+            call put_escaped(writer, cell(i, j)%text(feed + 1:))
+            call put(writer, "</"//tag//">")
          end do
          call put_line(writer, "</tr>")
       end do
       call put_line(writer, merge("</thead>", "</tbody>", size(cell, 1) <= head)// &
                     "</table></div>")
    end subroutine html_table
-
-   !> One cell, of one line or two; an empty one names nothing.
-   subroutine put_cell(writer, text, head, column, left)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: text
-      !> In the head
-      logical, intent(in) :: head
-      integer, intent(in) :: column, left
-      character(2) :: tag
-      integer :: feed
-
-      tag = "td"
-      if ((head .or. column == 1) .and. text /= "") tag = "th"
-      call put(writer, "<"//tag)
-      if (tag == "th") call put(writer, " scope="""//trim(merge("col", "row", head))//"""")
-      if (column <= left) call put(writer, " class=""text""")
-      call put(writer, ">")
-      feed = index(text, new_line("a"))
-      if (feed > 0) then
-         call put_escaped(writer, text(:feed - 1))
-         call put(writer, "<br>")
-      end if
-      call put_escaped(writer, text(feed + 1:))
-      call put(writer, "</"//tag//">")
-   end subroutine put_cell
 
    !> Ends the list that is open, if one is.
    subroutine close_list(writer)
@@ -132,6 +117,19 @@ contains
       call put_line(writer, "</"//writer%markup%list//">")
       writer%markup%list = ""
    end subroutine close_list
+
+   !> Lines as they are.
+   subroutine put_lines(writer, lines)
+      !> The page
+      type(writer_type), intent(inout) :: writer
+      !> Without their blanks at the end
+      character(*), intent(in) :: lines(:)
+      integer :: i
+
+      do i = 1, size(lines)
+         call put_line(writer, trim(lines(i)))
+      end do
+   end subroutine put_lines
 
    !> An element that holds text alone, on a line.
    subroutine put_element(writer, tag, text)
@@ -156,24 +154,6 @@ contains
       call put_escaped(writer, text)
       call put(writer, """")
    end subroutine put_attribute
-
-   !> A number at 17 significant digits, as results.json has it; null where it is not finite.
-   subroutine put_number_attribute(writer, name, value)
-      !> The page, within a tag
-      type(writer_type), intent(inout) :: writer
-      !> Name
-      character(*), intent(in) :: name
-      !> Any
-      real(dp), intent(in) :: value
-
-      call put(writer, " "//name//"=""")
-      if (ieee_is_finite(value)) then
-         call put_real(writer, value, 17)
-      else
-         call put(writer, "null")
-      end if
-      call put(writer, """")
-   end subroutine put_number_attribute
 
    !> A text as HTML: what would be markup becomes references, what is no UTF-8 or a control
    !> character U+FFFD.

@@ -2,17 +2,17 @@
 !> What was read and what was assumed about it.
 module gyroakf_report_input
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : audit_type, record_type, sample_count
+   use gyroakf_record, only : audit_type, record_type, sample_count, view_channel
    use gyroakf_units, only : quantity
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : writer_type
    use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, &
       put_heading, put_item, put_title
-   use gyroakf_report_text_table, only : add_row, new_table, put_table, set_cell, table_type
+   use gyroakf_report_text_table, only : add_row, new_table, put_table, table_type
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: report_inspect, put_input, put_source, has_unit, unit_name, time_unit
+   public :: report_inspect, put_input, has_unit, unit_name, time_unit
 
 contains
 
@@ -37,86 +37,98 @@ contains
       if (allocated(record%column)) call put_columns(writer, record)
    end subroutine report_inspect
 
-   !> File, samples, rate, unit, what is missing, what the time stamps show.
-   subroutine put_input(writer, record)
+   !> File, samples, rate, unit, what is missing, what the time stamps show; or only the first of
+   !> these in two lines.
+   subroutine put_input(writer, record, brief)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> What was read
       type(record_type), intent(in) :: record
-      character(:), allocatable :: form
-
-      call put_heading(writer, "Input", "-")
-      form = text_or(record%format, "no format")
-      if (form == "npy") form = form//", "//text_or(record%stored_type, "")
-      call put_item(writer, "File", text_or(record%path, "(in memory)")//" ("//form//")", &
-                    verbatim=.true.)
-      call put_item(writer, "Samples", count_text(sample_count(record))//" in "// &
-                    plural(size(record%value, 2, kind=int64), "channel")//": "// &
-                    channel_names(record), verbatim=.true.)
-      call put_item(writer, "Rate", rate_text(record))
-      call put_units(writer, record)
-      call put_item(writer, "Missing", plural(record%audit%missing, "value")// &
-                    missing_share(record, " of "//count_text(values_of(record)))//", "// &
-                    plural(record%audit%gaps, "gap")//if_known(record%audit%bad_lines > 0, &
-                    ", "//plural(record%audit%bad_lines, "line")//" that could not be read"))
-      if (record%audit%has_stamps) call put_stamps(writer, record%audit)
-      if (allocated(record%resample)) call put_resample(writer, record)
-   end subroutine put_input
-
-   !> The same in two lines, without what the time stamps show.
-   subroutine put_source(writer, record)
-      !> The report
-      type(writer_type), intent(inout) :: writer
-      !> What was read
-      type(record_type), intent(in) :: record
-      character(:), allocatable :: text
-
-      text = text_or(record%path, "(in memory)")//": "//plural(sample_count(record), "sample")
-      if (record%rate_known) text = text//", "//rate_text(record)
-      text = text//", "//if_known(record%audit%missing > 0, &
-                                  plural(record%audit%missing, "value")// &
-                                  missing_share(record, "")//" missing", "none missing")
-      if (record%audit%gaps > 0) text = text//" in "//plural(record%audit%gaps, "gap")
-      call put_item(writer, "Record", text, verbatim=.true.)
-      if (.not. record%rate_known) call put_item(writer, "Rate", rate_text(record))
-      if (allocated(record%channel_unit) .or. .not. has_unit(record)) then
-         call put_units(writer, record)
-      else
-         call put_item(writer, "Channels", channel_names(record)//" in "//unit_name(record)// &
-                       source(record%unit_source), verbatim=.true.)
-      end if
-   end subroutine put_source
-
-   !> Values of all channels.
-   pure integer(int64) function values_of(record)
-      type(record_type), intent(in) :: record
-
-      values_of = sample_count(record)*size(record%value, 2)
-   end function values_of
-
-   !> " (1.2 %)" behind a text; "" where nothing is missing.
-   pure function missing_share(record, before) result(text)
-      type(record_type), intent(in) :: record
-      character(*), intent(in) :: before
-      character(:), allocatable :: text
-
-      text = ""
-      if (record%audit%missing > 0) text = before//" ("// &
-         percent(real(record%audit%missing, dp)/real(values_of(record), dp))//")"
-   end function missing_share
-
-   !> "gx, gy, gz".
-   pure function channel_names(record) result(names)
-      type(record_type), intent(in) :: record
-      character(:), allocatable :: names
+      !> Present: in two lines
+      logical, intent(in), optional :: brief
+      character(:), allocatable :: path, names, text, missing, share
+      integer(int64) :: samples, values
       integer :: i
 
+      path = text_or(record%path, "(in memory)")
+      samples = sample_count(record)
+      values = samples*size(record%value, 2)
       names = ""
-      if (.not. allocated(record%channel)) return
-      do i = 1, size(record%channel)
-         names = names//if_known(i > 1, ", ")//record%channel(i)%text
-      end do
-   end function channel_names
+      if (allocated(record%channel)) then
+         do i = 1, size(record%channel)
+            names = names//if_known(i > 1, ", ")//record%channel(i)%text
+         end do
+      end if
+      associate (audit => record%audit)
+         missing = plural(audit%missing, "value")
+         share = " ("//percent(real(audit%missing, dp)/real(max(1_int64, values), dp))//")"
+         if (present(brief)) then
+            text = if_known(audit%missing > 0, missing//share//" missing", "none missing")// &
+               if_known(audit%gaps > 0, " in "//plural(audit%gaps, "gap"))
+            call put_item(writer, "Record", path//": "//plural(samples, "sample")// &
+                          if_known(record%rate_known, ", "//rate_text(record))//", "//text, &
+                          verbatim=.true.)
+            if (.not. record%rate_known) call put_item(writer, "Rate", rate_text(record))
+            if (allocated(record%channel_unit) .or. .not. has_unit(record)) then
+               call put_units()
+            else
+               call put_item(writer, "Channels", names//" in "//unit_name(record)// &
+                             source(record%unit_source), verbatim=.true.)
+            end if
+            return
+         end if
+         call put_heading(writer, "Input", "-")
+         text = text_or(record%format, "no format")
+         if (text == "npy") text = text//", "//text_or(record%stored_type, "")
+         call put_item(writer, "File", path//" ("//text//")", verbatim=.true.)
+         call put_item(writer, "Samples", count_text(samples)//" in "// &
+                       plural(size(record%value, 2, kind=int64), "channel")//": "//names, &
+                       verbatim=.true.)
+         call put_item(writer, "Rate", rate_text(record))
+         call put_units()
+         call put_item(writer, "Missing", missing// &
+                       if_known(audit%missing > 0, " of "//count_text(values)//share)//", "// &
+                       plural(audit%gaps, "gap")//if_known(audit%bad_lines > 0, &
+                       ", "//plural(audit%bad_lines, "line")//" that could not be read"))
+         if (audit%has_stamps) call put_stamps(writer, audit)
+         if (allocated(record%resample)) call put_resample(audit)
+      end associate
+
+   contains
+
+      !> The units, or what would give them.
+      subroutine put_units()
+         if (allocated(record%channel_unit)) then
+            call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source), &
+                          verbatim=.true.)
+         else if (has_unit(record)) then
+            call put_item(writer, "Unit", unit_name(record)//source(record%unit_source))
+         else
+            call put_item(writer, "Unit", "not known: results are in input units; --unit deg/s "// &
+                          "(or rad/s, deg/h, ...) gives the usual ones")
+         end if
+      end subroutine put_units
+
+      !> How the stamps placed the samples.
+      subroutine put_resample(audit)
+         type(audit_type), intent(in) :: audit
+
+         select case (record%resample)
+         case ("nearest")
+            call put_item(writer, "Resampled", "each sample on the slot of its stamp, moved by "// &
+                          "up to "//number(audit%largest_shift, 3)//" s; "// &
+                          plural(audit%empty_slots, "empty slot")//" (missing), "// &
+                          plural(audit%dropped, "sample")//" dropped from taken slots")
+         case ("linear")
+            call put_item(writer, "Resampled", "by linear interpolation, which leaves "// &
+                          number(audit%white_noise, 3)//" of the variance of white noise; "// &
+                          plural(audit%empty_slots, "slot")//" in long intervals (missing), "// &
+                          plural(audit%dropped, "sample")//" of equal or earlier stamp dropped")
+         case default
+         end select
+      end subroutine put_resample
+
+   end subroutine put_input
 
    !> "5 Hz (as the file says); 2400 s (40 min)", or what would give the rate.
    pure function rate_text(record) result(text)
@@ -137,22 +149,6 @@ contains
       end if
    end function rate_text
 
-   !> The units, or what would give them.
-   subroutine put_units(writer, record)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-
-      if (allocated(record%channel_unit)) then
-         call put_item(writer, "Units", channel_units_text(record)//source(record%unit_source), &
-                       verbatim=.true.)
-      else if (has_unit(record)) then
-         call put_item(writer, "Unit", unit_name(record)//source(record%unit_source))
-      else
-         call put_item(writer, "Unit", "not known: results are in input units; --unit deg/s "// &
-                       "(or rad/s, deg/h, ...) gives the usual ones")
-      end if
-   end subroutine put_units
-
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
    pure function channel_units_text(record) result(text)
       type(record_type), intent(in) :: record
@@ -172,29 +168,6 @@ contains
          before = unit
       end do
    end function channel_units_text
-
-   !> How the stamps placed the samples.
-   subroutine put_resample(writer, record)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-
-      associate (audit => record%audit)
-         select case (record%resample)
-         case ("nearest")
-            call put_item(writer, "Resampled", "each sample on the slot of its stamp, moved by "// &
-                          "up to "//number(audit%largest_shift, 3)//" s; "// &
-                          plural(audit%empty_slots, "empty slot")//" (missing), "// &
-                          plural(audit%dropped, "sample")//" dropped from taken slots")
-         case ("linear")
-            call put_item(writer, "Resampled", "by linear interpolation, which leaves "// &
-                          number(audit%white_noise, 3)//" of the variance of white noise; "// &
-                          plural(audit%empty_slots, "slot")//" in long intervals (missing), "// &
-                          plural(audit%dropped, "sample")//" of equal or earlier stamp dropped")
-         case default
-            return
-         end select
-      end associate
-   end subroutine put_resample
 
    !> What the time stamps show.
    subroutine put_stamps(writer, audit)
@@ -235,13 +208,14 @@ contains
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
       type(table_type) :: table
+      type(record_type) :: view
       character(:), allocatable :: unit, purpose
       real(dp) :: range(3)
       integer :: i, c
 
       call put_heading(writer, "Columns", "-")
-      call new_table(table, size(record%column) + 1, 8, left=4)
-      call add_row(table, "column", "name;class;unit;minimum;maximum;step;use")
+      call new_table(table, 8, left=4)
+      call add_row(table, "column", "name", "class", "unit", "minimum", "maximum", "step", "use")
       do i = 1, size(record%column)
          associate (column => record%column(i))
             c = column%channel
@@ -251,28 +225,17 @@ contains
             if (c > 0) then
                range = [record%audit%minimum(c), record%audit%maximum(c), &
                         record%audit%quantisation(c)]
-               unit = text_or(channel_unit_name(record, c), unit)
+               call view_channel(record, c, view)
+               unit = text_or(view%unit%name, unit)
                purpose = "analyzed"
             end if
-            call add_row(table, count_text(int(i, int64)), ";"//column%class//";;"// &
-                         number(range(1), 6)//";"//number(range(2), 6)//";"// &
-                         number(range(3), 4)//";"//purpose)
-            call set_cell(table, i + 1, 2, text_or(column%name, "-"))
-            call set_cell(table, i + 1, 4, unit)
+            call add_row(table, count_text(int(i, int64)), text_or(column%name, "-"), &
+                         column%class, unit, number(range(1), 6), number(range(2), 6), &
+                         number(range(3), 4), purpose)
          end associate
       end do
       call put_table(writer, table, verbatim=.true.)
    end subroutine put_columns
-
-   !> The unit of a channel; "" where it is not known.
-   pure function channel_unit_name(record, channel) result(name)
-      type(record_type), intent(in) :: record
-      integer, intent(in) :: channel
-      character(:), allocatable :: name
-
-      name = text_or(record%unit%name, "")
-      if (allocated(record%channel_unit)) name = text_or(record%channel_unit(channel)%name, "")
-   end function channel_unit_name
 
    !> Somebody gave a unit.
    pure logical function has_unit(record)

@@ -13,7 +13,7 @@ module gyroakf_report_kalibr
    use gyroakf_units, only : quantity, term_names
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, not_described, stage
-   use gyroakf_report_text_layout, only : scientific, number, count_text
+   use gyroakf_report_text_layout, only : scientific, number, count_text, if_known
    implicit none (type, external)
    private
    public :: check_kalibr, write_kalibr, kalibr_mark
@@ -55,6 +55,7 @@ contains
       !> As that of [[check_kalibr]]; or a channel has no N or no K
       type(error_type), allocatable, intent(out) :: error
       integer :: measured(size(result%channel))
+      character(:), allocatable :: rate
 
       call check_kalibr(record, error)
       measured = quantities(record)
@@ -71,7 +72,9 @@ contains
       call put_line(writer, "# ones for a low-cost sensor in motion.")
       call put_line(writer, "")
       call put_line(writer, kalibr_mark)
-      call put_line(writer, "update_rate: "//rate_text(1.0_dp/record%sample_interval)//"  # Hz")
+      rate = number(1.0_dp/record%sample_interval, 7)      ! a real number for YAML: never "1e6"
+      if (scan(rate, "eE") > 0) rate = scientific(1.0_dp/record%sample_interval, 7)
+      call put_line(writer, "update_rate: "//rate//if_known(scan(rate, ".") == 0, ".0")//"  # Hz")
       call put_sensor(quantity%acceleration, "accelerometer", "m/s^2", "m/s^3", "m/s^2 or g")
       call put_sensor(quantity%angular_rate, "gyroscope", "rad/s", "rad/s^2", "rad/s or deg/s")
       call put_remarks()
@@ -80,27 +83,24 @@ contains
 
       !> Every channel that is used has N and K, or at least their limits.
       subroutine check_coefficients()
+         character(*), parameter :: needs = "Kalibr's file needs N and K, and "
          character(:), allocatable :: reason
          integer :: c, term
 
          do c = 1, size(measured)
-            if (measured(c) == quantity%unknown) cycle
+            if (measured(c) == quantity%unknown .or. allocated(error)) cycle
             associate (channel => result%channel(c), allan => result%channel(c)%allan(stage%input))
+               term = merge(white, walk, strength(allan%stated%term(white)) <= 0.0_dp)
                if (.not. allan%fitted) then
                   reason = ""
                   if (allocated(channel%unavailable)) reason = ": "//channel%unavailable(1)%text
-                  call fatal_error(error, status%constant_input, "Kalibr's file needs N and K, and '"// &
-                                   channel%name//"' has no coefficients"//reason)
-                  return
-               end if
-               do term = white, walk, walk - white
-                  if (strength(allan%stated%term(term)) > 0.0_dp) cycle
+                  call fatal_error(error, status%constant_input, needs//"'"//channel%name// &
+                                   "' has no coefficients"//reason)
+               else if (strength(allan%stated%term(term)) <= 0.0_dp) then
                   call fatal_error(error, status%invalid_argument, &
-                                   "Kalibr's file needs N and K, and "//term_names(term)//" of '"// &
-                                   channel%name//"' was not fitted: --terms has to name N and K, "// &
-                                   "or be left out")
-                  return
-               end do
+                                   needs//term_names(term)//" of '"//channel%name//"' was not "// &
+                                   "fitted: --terms has to name N and K, or be left out")
+               end if
             end associate
          end do
       end subroutine check_coefficients
@@ -111,18 +111,14 @@ contains
          character(*), intent(in) :: sensor, density_unit, walk_unit, asked
 
          call put_line(writer, "")
-         if (all(measured /= what)) then
-            call put_line(writer, "# The record has no channel in "//asked//": fill in the "//sensor// &
-                          "'s numbers.")
-            call put_line(writer, "#"//sensor//"_noise_density:  # "//density_unit//"/sqrt(Hz)")
-            call put_line(writer, "#"//sensor//"_random_walk:  # "//walk_unit//"/sqrt(Hz)")
-            return
-         end if
+         if (all(measured /= what)) call put_line(writer, "# The record has no channel in "// &
+                                                  asked// &
+                                                  ": fill in the "//sensor//"'s numbers.")
          call put_number(what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
          call put_number(what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
       end subroutine put_sensor
 
-      !> The largest of the axes, then each of them.
+      !> The largest of the axes, then each of them; without an axis a line to be filled in.
       subroutine put_number(what, term, key, unit)
          integer, intent(in) :: what, term
          character(*), intent(in) :: key, unit
@@ -132,16 +128,25 @@ contains
          integer :: c, largest
 
          of = measured == what
+         if (.not. any(of)) then
+            call put_line(writer, "#"//key//":  # "//unit)
+            return
+         end if
          do c = 1, size(of)
             stated(c) = result%channel(c)%allan(stage%input)%stated%term(term)
          end do
          largest = maxloc(strength(stated), dim=1, mask=of)
-         text = key//": "//scientific(strength(stated(largest)), 5)//"  # "//unit//", "// &
-                term_names(term)//" of "//plain(result%channel(largest)%name)
-         if (.not. stated(largest)%detected) text = text//" is not detectable: its 95 % upper limit"
-         call put_line(writer, text)
+         call put_line(writer, key//": "//scientific(strength(stated(largest)), 5)//"  # "// &
+                       unit//", "// &
+                       term_names(term)//" of "//plain(result%channel(largest)%name)// &
+                       if_known(.not. stated(largest)%detected, &
+                                " is not detectable: its 95 % upper limit"))
          do c = 1, size(of)
-            if (of(c)) call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//axis_text(stated(c)))
+            if (.not. of(c)) cycle
+            text = "not detectable, below "//scientific(stated(c)%upper_limit_si, 5)//" (95 %)"
+            if (stated(c)%detected) text = scientific(stated(c)%value_si, 5)//" +/- "// &
+               scientific(stated(c)%std_error_si, 2)
+            call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//text)
          end do
       end subroutine put_number
 
@@ -165,18 +170,6 @@ contains
 
    end subroutine write_kalibr
 
-   !> The coefficient of one axis, in SI.
-   pure function axis_text(stated) result(text)
-      type(stated_coefficient_type), intent(in) :: stated
-      character(:), allocatable :: text
-
-      if (stated%detected) then
-         text = scientific(stated%value_si, 5)//" +/- "//scientific(stated%std_error_si, 2)
-      else
-         text = "not detectable, below "//scientific(stated%upper_limit_si, 5)//" (95 %)"
-      end if
-   end function axis_text
-
    !> What stands for an axis: its value, or its limit where it has none; 0 where the term was not fitted.
    elemental real(dp) function strength(stated)
       type(stated_coefficient_type), intent(in) :: stated
@@ -194,16 +187,6 @@ contains
       what = record%unit%quantity
       if (allocated(record%channel_unit)) what = record%channel_unit%quantity
    end function quantities
-
-   !> A number that every YAML reader takes for a real one: "200.0", "99.98412", "1.000000e+06" (never "1e6").
-   pure function rate_text(rate) result(text)
-      real(dp), intent(in) :: rate
-      character(:), allocatable :: text
-
-      text = number(rate, 7)
-      if (scan(text, "eE") > 0) text = scientific(rate, 7)
-      if (scan(text, ".") == 0) text = text//".0"
-   end function rate_text
 
    !> For a comment: no line ends.
    pure function plain(text) result(line)

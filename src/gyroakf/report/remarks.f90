@@ -40,16 +40,24 @@ contains
       type(remark_type), allocatable :: remark(:)
       character(:), allocatable :: names
       integer :: i, kind, count
+      character(:), allocatable :: text
 
       allocate (remark(0))
-      if (command == "run" .or. command == "filter") call add_passing(remark, result)
-      call add_list(remark, record%warnings, warning, "", "")
+      if (command == "run" .or. command == "filter") then
+         text = passed("KF", result%channel%kf_figures%passed_percent, &
+                       result%channel%available%kf)// &
+            passed("AKF", result%channel%akf_figures%passed_percent, result%channel%available%akf)
+         if (text /= "") call add_remark(note, "the paper's filters pass a constant "// &
+            "rotation in part (DC gain: "//text(3:)//"): their outputs are no input for "// &
+            "navigation", "")
+      end if
+      call add_list(record%warnings, warning, "", "")
       do i = 1, size(result%channel)
          associate (channel => result%channel(i))
-            call add_list(remark, channel%warnings, warning, channel%name, "")
-            call add_list(remark, channel%drift_kf%warnings, warning, channel%name, "drift KF: ")
-            call add_list(remark, channel%drift_akf%warnings, warning, channel%name, "drift AKF: ")
-            call add_list(remark, channel%unavailable, missing, channel%name, "")
+            call add_list(channel%warnings, warning, channel%name, "")
+            call add_list(channel%drift_kf%warnings, warning, channel%name, "drift KF: ")
+            call add_list(channel%drift_akf%warnings, warning, channel%name, "drift AKF: ")
+            call add_list(channel%unavailable, missing, channel%name, "")
          end associate
       end do
       do kind = 1, size(kinds)
@@ -68,64 +76,44 @@ contains
       if (.not. present(most_notes)) return
       if (count > most_notes) call put_item(writer, "", &
          plural(int(count - most_notes, int64), "further note")//": --details")
+
+   contains
+
+      !> The texts of a list; one that is there already gets the name.
+      subroutine add_list(list, kind, name, prefix)
+         type(text_type), intent(in), optional :: list(:)
+         !> Of what is no note
+         character(13), intent(in) :: kind
+         character(*), intent(in) :: name
+         !> Before each text
+         character(*), intent(in) :: prefix
+         integer :: k
+
+         if (.not. present(list)) return
+         do k = 1, size(list)
+            call add_remark(merge(note, kind, list(k)%note), prefix//list(k)%text, name)
+         end do
+      end subroutine add_list
+
+      !> One remark.
+      subroutine add_remark(kind, text, name)
+         character(13), intent(in) :: kind
+         character(*), intent(in) :: text, name
+         type(remark_type), allocatable :: longer(:)
+         integer :: k
+
+         do k = 1, size(remark)
+            if (remark(k)%kind /= kind .or. remark(k)%text /= text) cycle
+            remark(k)%names = remark(k)%names//", "//name
+            return
+         end do
+         allocate (longer(size(remark) + 1))               ! an array constructor loses the texts
+         longer(:size(remark)) = remark
+         longer(size(longer)) = remark_type(kind, text, name)
+         call move_alloc(longer, remark)
+      end subroutine add_remark
+
    end subroutine put_remarks
-
-   !> The texts of a list; one that is there already gets the name.
-   pure subroutine add_list(remark, list, kind, name, prefix)
-      type(remark_type), allocatable, intent(inout) :: remark(:)
-      type(text_type), allocatable, intent(in) :: list(:)
-      !> Of what is no note
-      character(13), intent(in) :: kind
-      character(*), intent(in) :: name
-      !> Before each text
-      character(*), intent(in) :: prefix
-      integer :: i
-
-      if (.not. allocated(list)) return
-      do i = 1, size(list)
-         call add_remark(remark, merge(note, kind, list(i)%note), prefix//list(i)%text, name)
-      end do
-   end subroutine add_list
-
-   !> One remark.
-   pure subroutine add_remark(remark, kind, text, name)
-      type(remark_type), allocatable, intent(inout) :: remark(:)
-      character(13), intent(in) :: kind
-      character(*), intent(in) :: text, name
-      type(remark_type), allocatable :: longer(:)
-      integer :: i, n
-
-      n = size(remark)
-      do i = 1, n
-         if (remark(i)%kind /= kind .or. remark(i)%text /= text) cycle
-         remark(i)%names = remark(i)%names//", "//name
-         return
-      end do
-      allocate (longer(n + 1))                          ! an array constructor loses the texts
-      longer(:n) = remark
-      longer(n + 1)%kind = kind
-      longer(n + 1)%text = text
-      longer(n + 1)%names = name
-      call move_alloc(longer, remark)
-   end subroutine add_remark
-
-   !> The share of a constant rotation that the paper's filters let pass.
-   pure subroutine add_passing(remark, result)
-      type(remark_type), allocatable, intent(inout) :: remark(:)
-      type(pipeline_result_type), intent(in) :: result
-      character(:), allocatable :: text
-      real(dp), dimension(size(result%channel)) :: kf, akf
-      logical, dimension(size(result%channel)) :: has_kf, has_akf
-
-      kf(:) = result%channel%kf_figures%passed_percent
-      akf(:) = result%channel%akf_figures%passed_percent
-      has_kf(:) = result%channel%available%kf
-      has_akf(:) = result%channel%available%akf
-      text = passed("KF", kf, has_kf)//passed("AKF", akf, has_akf)
-      if (text /= "") call add_remark(remark, note, "the paper's filters pass a constant "// &
-         "rotation in part (DC gain: "//text(3:)//"): their outputs are no input for "// &
-         "navigation", "")
-   end subroutine add_passing
 
    !> ", KF 61 %", ", AKF 17 to 50 %"; "" where no channel has the filter.
    pure function passed(name, percent, available) result(text)
@@ -139,7 +127,7 @@ contains
       if (.not. any(available)) return
       text = fixed(minval(percent, available), 0)
       if (fixed(maxval(percent, available), 0) /= text) then
-        text = text//" to "//fixed(maxval(percent, available), 0)
+         text = text//" to "//fixed(maxval(percent, available), 0)
       end if
       text = ", "//name//" "//text//" %"
    end function passed

@@ -8,8 +8,8 @@ module gyroakf_report_summary
    use gyroakf_report_json, only : json_type
    use gyroakf_report_summary_row, only : summarise, summary_row_type
    use gyroakf_report_text_layout, only : plural, put_paragraph, report_width
-   use gyroakf_report_text_table, only : column_widths, new_table, put_table, set_cell, table_type
-   use gyroakf_utf8, only : is_continuation, text_width
+   use gyroakf_report_text_table, only : add_row, column_widths, put_table, table_type
+   use gyroakf_utf8, only : text_width
    implicit none (type, external)
    private
    public :: summary_row_type, summarise, write_summary_csv, write_summary_json, write_summary_table
@@ -52,7 +52,7 @@ contains
       call json%put("version", release_string)
       call json%put("command", command)
       call json%put("failed", count(rows%code /= 0))
-      call json%open_list("files")
+      call json%open("files", list=.true.)
       do i = 1, size(rows)
          call json%put_json("", rows(i)%json)
          writer%failed = writer%failed .or. rows(i)%json == ""
@@ -69,28 +69,39 @@ contains
       type(summary_row_type), intent(in) :: rows(:)
       type(table_type) :: table
       character(:), allocatable :: text
-      integer :: i, j, k, line
+      integer :: i, j, k, last
+      integer, allocatable :: width(:)
+      integer :: widest
+      integer :: blank
 
       if (size(rows) == 0) return
-      line = 1
+      table = rows(1)%table
       do i = 1, size(rows)
-         line = line + size(rows(i)%cell, 1)
-      end do
-      call new_table(table, line, size(rows(1)%heads), left=2)
-      table%cell(1, :) = rows(1)%heads
-      line = 1
-      do i = 1, size(rows)
-         do k = 1, size(rows(i)%cell, 1)
-            line = line + 1
-            table%cell(line, :) = rows(i)%cell(k, :)
-            call set_cell(table, line, 2, tail_of(rows(i)%cell(k, 2)%text, most_channel))
+         do k = 2, size(rows(i)%table%cell, 1)
+            if (i > 1) call add_row(table)
+            last = merge(k, size(table%cell, 1), i == 1)
+            table%cell(last, :) = rows(i)%table%cell(k, :)
+            table%cell(last, 2)%text = tail_of(table%cell(last, 2)%text, most_channel)
          end do
       end do
       if (.not. writer%markup%on) then                     ! a page is wide enough
          do j = 3, size(table%cell, 2)
             call move_unit(table, j)
          end do
-         call fit_names(table)
+         call column_widths(table, width)
+         if (2*size(width) + least_name + sum(width(2:)) > report_width) then
+            do j = 3, size(table%cell, 2)
+               do i = 2, size(table%cell, 1)
+                  blank = unit_blank(table%cell(i, j)%text)
+                  if (blank > 0) table%cell(i, j)%text(blank:blank) = new_line("a")
+               end do
+            end do
+            call column_widths(table, width)
+         end if
+         widest = max(least_name, report_width - 2*size(width) - sum(width(2:)))
+         do i = 2, size(table%cell, 1)
+            table%cell(i, 1)%text = tail_of(table%cell(i, 1)%text, widest)
+         end do
       end if
       call put_table(writer, table, verbatim=.true.)
       if (.not. writer%markup%on) call put_line(writer, "")
@@ -134,51 +145,18 @@ contains
       end do
    end subroutine move_unit
 
-   !> A unit that only some numbers of a column have goes below its number.
-   pure subroutine break_cells(table)
-      type(table_type), intent(inout) :: table
-      integer :: i, j, blank
-
-      do j = 3, size(table%cell, 2)
-         do i = 2, size(table%cell, 1)
-            blank = unit_blank(table%cell(i, j)%text)
-            if (blank > 0) table%cell(i, j)%text(blank:blank) = new_line("a")
-         end do
-      end do
-   end subroutine break_cells
-
-   !> Units, then file names give way where the table would else be too wide: names lose their
-   !> beginning.
-   pure subroutine fit_names(table)
-      type(table_type), intent(inout) :: table
-      integer, allocatable :: width(:)
-      integer :: i, widest
-
-      call column_widths(table, width)
-      if (2*size(width) + least_name + sum(width(2:)) > report_width) then
-         call break_cells(table)
-         call column_widths(table, width)
-      end if
-      widest = max(least_name, report_width - 2*size(width) - sum(width(2:)))
-      do i = 2, size(table%cell, 1)
-         table%cell(i, 1)%text = tail_of(table%cell(i, 1)%text, widest)
-      end do
-   end subroutine fit_names
-
    !> The end of a text that is too long, with "..." in front.
    pure function tail_of(text, width) result(tail)
       character(*), intent(in) :: text
       integer, intent(in) :: width
       character(:), allocatable :: tail
-      integer :: first, characters
+      integer :: first
 
       tail = text
       if (text_width(text) <= width) return
       first = len(text) + 1
-      characters = 0
-      do while (characters < width - 3)
+      do while (text_width(text(first:)) < width - 3)
          first = first - 1
-         if (.not. is_continuation(text(first:first))) characters = characters + 1
       end do
       tail = "..."//text(first:)
    end function tail_of

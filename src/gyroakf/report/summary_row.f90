@@ -7,12 +7,13 @@ module gyroakf_report_summary_row
    use gyroakf_units, only : term_names
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names, &
       stated_coefficient_type
-   use gyroakf_report_csv_row, only : csv_row_type
+   use gyroakf_report_csv, only : csv_row_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document, only : gather_warnings
-   use gyroakf_report_input, only : has_unit
+   use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_json, only : json_text, json_type
    use gyroakf_report_text_layout, only : count_text, if_known, number
+   use gyroakf_report_text_table, only : add_cell, add_row, new_table, table_type
    use gyroakf_report_verdicts, only : verdict_text
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
@@ -30,8 +31,8 @@ module gyroakf_report_summary_row
       character(:), allocatable :: csv_head, csv
       !> Element of "files" in summary.json, "" where there was no memory for it
       character(:), allocatable :: json
-      !> Cells of the table, a row for each channel: [row, column]; and their heads
-      type(text_type), allocatable :: cell(:, :), heads(:)
+      !> A row for each channel
+      type(table_type) :: table
    end type summary_row_type
 
    !> Maximum number of warnings of a file that are shown in full
@@ -62,7 +63,7 @@ contains
       character(*), intent(in), optional :: message
       type(channel_result_type) :: nothing
       type(text_type), allocatable :: warnings(:)
-      character(:), allocatable :: text
+      character(:), allocatable :: text, shown
       type(json_type) :: json
       integer :: c, n
 
@@ -73,7 +74,7 @@ contains
       row%csv = ""
       call gather_warnings(record, warnings, result)
       call json%open("")                                   ! as deep as it stands in the whole document
-      call json%open_list("files")
+      call json%open("files", list=.true.)
       call json%open("")
       call json%put("path", path)
       call json%put("folder", folder, folder /= "")
@@ -82,7 +83,7 @@ contains
       call put_record(json, record)
       call json%put("warning_count", size(warnings))
       call json%put("warnings", warnings(:min(size(warnings), most_warnings)))
-      call json%open_list("channels")
+      call json%open("channels", list=.true.)
       n = 1
       if (allocated(record%channel)) n = size(record%channel)
       do c = 1, n
@@ -100,9 +101,7 @@ contains
       !> A channel in all forms; the message of its line is the error, or else the first warning.
       subroutine add_channel(channel)
          type(channel_result_type), intent(in) :: channel
-         type(text_type), allocatable :: texts(:)
          type(csv_row_type) :: csv
-         integer :: i
 
          if (allocated(record%channel)) call put_channel(json, record, c, channel)
          text = row%message
@@ -116,18 +115,10 @@ contains
          call put_channel(csv, record, c, channel)
          row%csv_head = csv%head
          row%csv = row%csv//csv%line//new_line("a")
-         call make_cells(command, record, c, channel, row%heads, texts)
-         texts(size(texts))%text = count_text(size(warnings, kind=int64))
-         if (row%code /= 0) then
-            do i = 3, size(texts)
-               texts(i)%text = ""
-            end do
-            texts(2)%text = "failed"
-         end if
-         texts(1)%text = path
-         call make_readable(texts(1)%text)
-         if (c == 1) allocate (row%cell(n, size(texts)))
-         row%cell(c, :) = texts
+         shown = path
+         call make_readable(shown)
+         call add_channel_row(row%table, command, shown, record, c, channel, size(warnings), &
+                              row%code /= 0)
       end subroutine add_channel
 
    end subroutine summarise
@@ -153,7 +144,7 @@ contains
       type(channel_result_type), intent(in) :: channel
       type(record_type) :: view
       character(:), allocatable :: name
-      logical :: there
+      logical :: there, known
       integer :: term
 
       there = allocated(channel%name)
@@ -170,7 +161,17 @@ contains
       call out%put("outliers_removed", channel%clean%removed, channel%available%preprocess)
       call out%open("coefficients")
       do term = 1, 5
-         call put_coefficient(out, term_names(term), channel%allan(stage%input)%stated%term(term))
+         associate (stated => channel%allan(stage%input)%stated%term(term), key => term_names(term))
+            known = stated%fitted
+            if (.not. out%opens(key, known)) cycle
+            call out%put("value", stated%value, known, title=key)
+            call out%put("std_error", stated%std_error, known, title=key//"_std_error")
+            call out%put("upper_limit", stated%upper_limit, known, title=key//"_upper_limit_95")
+            call out%put("detected", stated%detected, known, title=key//"_detected")
+            if (allocated(stated%unit)) call out%put("unit", stated%unit, known, title=key//"_unit")
+            if (.not. allocated(stated%unit)) call out%put("unit", "", known, title=key//"_unit")
+            call out%close()
+         end associate
       end do
       call out%close()
       associate (is => channel%available)
@@ -190,108 +191,99 @@ contains
       call out%close()
    end subroutine put_channel
 
-   !> One coefficient.
-   subroutine put_coefficient(out, name, stated)
-      class(description_type), intent(inout) :: out
-      character(*), intent(in) :: name
-      type(stated_coefficient_type), intent(in) :: stated
-      character(:), allocatable :: unit
-
-      if (.not. out%opens(name, stated%fitted)) return
-      unit = ""
-      if (allocated(stated%unit)) unit = stated%unit
-      call out%put("value", stated%value, stated%fitted, title=name)
-      call out%put("std_error", stated%std_error, stated%fitted, title=name//"_std_error")
-      call out%put("upper_limit", stated%upper_limit, stated%fitted, title=name//"_upper_limit_95")
-      call out%put("detected", stated%detected, stated%fitted, title=name//"_detected")
-      call out%put("unit", unit, stated%fitted, title=name//"_unit")
-      call out%close()
-   end subroutine put_coefficient
-
-   !> The table's heads and a row of it; file and warnings are left to the caller.
-   subroutine make_cells(command, record, c, channel, heads, texts)
-      character(*), intent(in) :: command
+   !> The row of a channel in the table, below the heads; a file that failed has nothing in it.
+   subroutine add_channel_row(table, command, path, record, c, channel, warnings, failed)
+      !> Not allocated: it begins with the heads
+      type(table_type), intent(inout) :: table
+      character(*), intent(in) :: command, path
       type(record_type), intent(in) :: record
       integer, intent(in) :: c
       type(channel_result_type), intent(in) :: channel
-      !> [at least 4] file, channel, samples, ..., warnings; and the cells below them
-      type(text_type), allocatable, intent(out) :: heads(:), texts(:)
+      !> How many
+      integer, intent(in) :: warnings
+      logical, intent(in) :: failed
       type(record_type) :: view
-      character(:), allocatable :: text
-      integer :: n
+      type(text_type) :: head(4), cell(4)
+      character(:), allocatable :: name
+      integer :: i
 
-      allocate (heads(8), texts(8))
-      n = 0
-      call add("file", "")
-      call add("channel", "")
+      name = ""
       if (allocated(record%channel)) then
          call view_channel(record, c, view)
-         texts(2)%text = record%channel(c)%text
+         name = record%channel(c)%text
       end if
-      call add("samples", count_text(sample_count(record)))
-      associate (is => channel%available)
+      associate (is => channel%available, term => channel%allan(stage%input)%stated%term)
          select case (command)
          case ("inspect")
-            call add_number("rate Hz", 1.0_dp/record%sample_interval, record%rate_known)
-            call add("unit", "")
-            if (allocated(view%unit%name)) texts(n)%text = view%unit%name
-            call add("missing", count_text(record%audit%missing))
-            call add("gaps", count_text(record%audit%gaps))
+            call set(1, "rate Hz", record%rate_known, value=1.0_dp/record%sample_interval)
+            call set(2, "unit", .true., if_known(has_unit(view), unit_name(view)))
+            call set(3, "missing", .true., count_text(record%audit%missing))
+            call set(4, "gaps", .true., count_text(record%audit%gaps))
          case ("tests")
-            call add_number("ADF p", channel%adf%p_value, is%adf)
-            call add_number("Jarque-Bera", channel%jarque_bera%p_value, is%jarque_bera)
-            call add_number("Ljung-Box", channel%ljung_box%p_value, is%ljung_box)
+            call set(1, "ADF p", is%adf, value=channel%adf%p_value)
+            call set(2, "Jarque-Bera", is%jarque_bera, value=channel%jarque_bera%p_value)
+            call set(3, "Ljung-Box", is%ljung_box, value=channel%ljung_box%p_value)
          case ("ar")
-            call add_number("order", real(channel%ar%order, dp), is%ar)
-            call add_number("noise var.", channel%ar%noise_variance, is%ar)
-            text = "-"
-            if (is%ar .and. channel%ar%order > 0) text = number(channel%ar%coefficient(1), table_digits)
-            call add("phi 1", text)
+            call set(1, "order", is%ar, value=real(channel%ar%order, dp))
+            call set(2, "noise var.", is%ar, value=channel%ar%noise_variance)
+            call set(3, "phi 1", .false.)
+            if (channel%ar%order > 0) call set(3, "phi 1", is%ar, value=channel%ar%coefficient(1))
          case ("filter")
-            call add_number("variance", channel%cleaned%variance, .true.)
-            call add_number("KF", channel%kf%variance, is%kf)
-            call add_number("AKF", channel%akf%variance, is%akf)
-            call add_number("AKF passes", channel%akf%dc_gain, is%akf)
+            call set(1, "variance", .true., value=channel%cleaned%variance)
+            call set(2, "KF", is%kf, value=channel%kf%variance)
+            call set(3, "AKF", is%akf, value=channel%akf%variance)
+            call set(4, "AKF passes", is%akf, value=channel%akf%dc_gain)
          case default
-            associate (term => channel%allan(stage%input)%stated%term)
-               call add("N", coefficient_text(term(2)))
-               call add("B", coefficient_text(term(3)))
-               call add("K", coefficient_text(term(4)))
-            end associate
-            text = "-"
-            if (channel%verdict%known) text = trim(verdict_text(channel))
-            call add("noise", text)
+            do i = 1, 3
+               call set(i, term_names(i + 1), .true., coefficient_text(term(i + 1)))
+            end do
+            call set(4, "noise", channel%verdict%known, trim(verdict_text(channel)))
          end select
       end associate
-      call add("warnings", "")
-      heads = heads(:n)
-      texts = texts(:n)
+      if (.not. allocated(table%cell)) then
+         call new_table(table, 4 + count([(allocated(head(i)%text), i=1, 4)]), left=2)
+         call add_row(table, "file", "channel", "samples")
+         call add_cells(head, "warnings")
+      end if
+      call add_row(table, path, "failed")
+      if (failed) return
+      table%cell(size(table%cell, 1), 2)%text = name
+      call add_cell(table, count_text(sample_count(record)))
+      call add_cells(cell, count_text(int(warnings, int64)))
 
    contains
 
-      !> One column.
-      subroutine add(head, text)
-         character(*), intent(in) :: head, text
-
-         n = n + 1
-         heads(n)%text = head
-         texts(n)%text = text
-      end subroutine add
-
-      subroutine add_number(head, value, known)
-         character(*), intent(in) :: head
-         real(dp), intent(in) :: value
+      !> One column; "-" where its text or value is not known.
+      subroutine set(i, title, known, text, value)
+         integer, intent(in) :: i
+         character(*), intent(in) :: title
          logical, intent(in) :: known
+         character(*), intent(in), optional :: text
+         real(dp), intent(in), optional :: value
 
-         call add(head, if_known(known, number(value, table_digits), "-"))
-      end subroutine add_number
+         head(i)%text = title
+         cell(i)%text = "-"
+         if (known .and. present(text)) cell(i)%text = text
+         if (known .and. present(value)) cell(i)%text = number(value, table_digits)
+      end subroutine set
 
-   end subroutine make_cells
+      subroutine add_cells(texts, last)
+         type(text_type), intent(in) :: texts(:)
+         character(*), intent(in) :: last
+         integer :: i
+
+         do i = 1, size(texts)
+            if (allocated(texts(i)%text)) call add_cell(table, texts(i)%text)
+         end do
+         call add_cell(table, last)
+      end subroutine add_cells
+
+   end subroutine add_channel_row
 
    !> "0.3005 deg/sqrt(h)", "< 8.6 deg/h^1.5", "-".
    pure function coefficient_text(stated) result(text)
       type(stated_coefficient_type), intent(in) :: stated
-      character(:), allocatable :: text
+      character(:), allocatable :: text, shown
 
       text = "-"
       if (.not. stated%fitted) return

@@ -7,15 +7,15 @@
 !>     call write_svg(writer, figure, .true.)
 module gyroakf_report_svg
    use gyroakf_kinds, only : dp
-   use gyroakf_io_writer, only : writer_type, put, put_line
-   use gyroakf_report_html_markup, only : put_attribute, put_number_attribute
+   use gyroakf_io_writer, only : writer_type, put, put_line, format_real
+   use gyroakf_report_html_markup, only : put_attribute, put_lines
    use gyroakf_report_axis, only : axis_type, find_ticks, is_shown, position, scale_axis, &
       set_range, tick_type
    use gyroakf_report_svg_series, only : legend_bottom, outside, places, put_legend, put_path, &
       put_pixels, put_series, put_text, series_type
    implicit none (type, external)
    private
-   public :: figure_type, write_svg, has_points, put_svg_style
+   public :: figure_type, write_svg, has_points
 
    !> A figure
    type :: figure_type
@@ -45,10 +45,13 @@ module gyroakf_report_svg
       "svg { --text: #1b1d20; --soft: #565c64; --card: #fff; --line: #cfd3d8; background: var(--card) }", &
       "@media screen and (prefers-color-scheme: dark) { svg { --text: #e6e7e9; --soft: #a9b0b9; --card: #16181b;", &
       "  --line: #3d434b } }"]
-   !> Colors of the series are those of Okabe and Ito, distinguishable by the color-blind
-   character(*), parameter :: style(*) = [character(128) :: &
+   !> The rules that a page needs for its figures; they take the variables --text, --soft, --card
+   !> and --line of the page. Colors of the series are those of Okabe and Ito, distinguishable by
+   !> the color-blind
+   character(*), parameter, public :: svg_style(*) = [character(128) :: &
       ".fig { color: var(--text) } .fig .soft { color: var(--soft) } .fig text { fill: var(--text);", &
-      "  font: 13px system-ui, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif } .fig .title { font-weight: 600 }", &
+      "  stroke: none; font: 13px system-ui, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif }", &
+      ".fig .title { font-weight: 600 }", &
       ".fig .middle { text-anchor: middle } .fig .end { text-anchor: end }", &
       ".fig .c1 { color: #0072b2 } .fig .c2 { color: #d55e00 } .fig .c3 { color: #008a63 } .fig .c4 { color: #b0558a }", &
       ".fig .c5 { color: #b07d00 } .fig .c6 { color: #3c93c9 }", &
@@ -72,13 +75,19 @@ contains
       type(writer_type), intent(inout) :: writer
       !> [[has_points]] holds
       type(figure_type), intent(in) :: figure
-      !> A document of its own with its style; else an element of a page that has [[put_svg_style]]
+      !> A document of its own with its style; else an element of a page that has `svg_style`
       logical, intent(in) :: alone
       type(axis_type) :: x, y
-      real(dp) :: extent(2)
+      real(dp) :: low(2), high(2), extent(2)
       integer :: i
+      character(2), parameter :: name(8) = ["x0", "x1", "x2", "x3", "y0", "y1", "y2", "y3"]
+      real(dp) :: value(8)
 
-      call set_axes(figure, x, y)
+      call find_range(figure, low, high)
+      x = axis_type(figure%logarithmic, from=left, to=right)
+      y = axis_type(figure%logarithmic, from=bottom, to=top)
+      call set_range(x, low(1), high(1), merge(0.03_dp, 0.0_dp, figure%logarithmic))
+      call set_range(y, low(2), high(2), merge(0.1_dp, 0.04_dp, figure%logarithmic))
       extent = [width, legend_bottom(figure%series, legend_top)]
       if (alone) call put_line(writer, "<?xml version=""1.0"" encoding=""UTF-8""?>"//new_line("a")//svg_mark)
       call put(writer, "<svg class=""fig"" role=""img""")
@@ -87,58 +96,104 @@ contains
       call put_pixels(writer, " viewBox=""0 0 ", extent, """")
       call put_pixels(writer, " width=""", extent(:1), """")
       call put_pixels(writer, " height=""", extent(2:), """")
-      if (.not. alone) call put_scales(writer, x, y)
+      ! what the script of a page takes to turn pixels into values
+      if (.not. alone) then
+         value = [x%from, x%to, x%first, x%last, y%from, y%to, y%first, y%last]
+         do i = 1, size(name)
+            call put_attribute(writer, "data-"//name(i), format_real(value(i), 17))
+         end do
+         if (x%logarithmic) call put_attribute(writer, "data-log", "1")
+      end if
       call put_line(writer, ">")
       if (alone) then
          call put_line(writer, "<style>")
          call put_lines(writer, own_style)
-         call put_svg_style(writer)
+         call put_lines(writer, svg_style)
          call put_line(writer, "</style>")
       end if
       call put_text(writer, "title", 12.0_dp, 22.0_dp, figure%title)
-      call put_axes(writer, figure, x, y)
-      if (figure%logarithmic) call put_slopes(writer, figure, x, y)
+      call put_axes()
+      if (figure%logarithmic) call put_slopes()
       do i = 1, size(figure%series)
          call put_series(writer, figure%series(i), i, x, y)
       end do
       call put_legend(writer, figure%series, legend_top)
       call put_line(writer, "</svg>")
+
+   contains
+
+      !> Grid, ticks, labels and the frame; grid lines without a label are fainter.
+      subroutine put_axes()
+         character(10), parameter :: grid(0:1) = [character(10) :: "grid minor", "grid"]
+         type(tick_type), allocatable :: tick(:)
+         type(axis_type) :: second
+         real(dp) :: at
+
+         call find_ticks(x, x_spacing, tick)
+         do i = 1, size(tick)
+            at = position(x, tick(i)%value)
+            call put_path(writer, trim(grid(min(1, len_trim(tick(i)%label)))), [at, at], &
+                          [bottom, top])
+            call put_text(writer, "middle", at, bottom + 22.0_dp, trim(tick(i)%label))
+         end do
+         call find_ticks(y, y_spacing, tick)
+         do i = 1, size(tick)
+            at = position(y, tick(i)%value)
+            call put_path(writer, trim(grid(min(1, len_trim(tick(i)%label)))), [left, right], &
+                          [at, at])
+            call put_text(writer, "end", left - 7.0_dp, at + 5.0_dp, trim(tick(i)%label))
+         end do
+         call put_text(writer, "middle label", (left + right)/2, bottom + 48.0_dp, figure%x_label)
+         call put_text(writer, "start label", 12.0_dp, top - 12.0_dp, figure%y_label)
+         if (allocated(figure%right_label)) then
+            second = scale_axis(y, figure%right_factor)
+            call put_text(writer, "end", width - 12.0_dp, top - 12.0_dp, figure%right_label)
+            call find_ticks(second, y_spacing, tick)
+            do i = 1, size(tick)
+               at = position(second, tick(i)%value)
+               call put_path(writer, "frame", [right, right + 4.0_dp], [at, at])
+               call put_text(writer, "start", right + 8.0_dp, at + 5.0_dp, trim(tick(i)%label))
+            end do
+         end if
+         call put_path(writer, "frame", [left, right, right, left, left], &
+                       [bottom, bottom, top, top, bottom])
+      end subroutine put_axes
+
+      !> Three lines of the slopes -1/2, 0 and +1/2 in the first corner without points.
+      subroutine put_slopes()
+         character(4), parameter :: name(-1:1) = [character(4) :: "-1/2", "0", "+1/2"]
+         real(dp), parameter :: label_width = 40.0_dp
+         real(dp) :: rise, length, at(2)
+         real(dp), allocatable :: point(:, :)
+         logical :: free
+         integer :: corner, slope
+
+         rise = 0.5_dp*abs((y%to - y%from)/(y%last - y%first))*(x%last - x%first)/(x%to - x%from)
+         length = min(60.0_dp, 36.0_dp/rise)
+         do corner = 1, 4                      ! bottom left, top right, top left, bottom right
+            at = [left + 12.0_dp, bottom - 16.0_dp - rise*length]
+            if (modulo(corner, 2) == 0) at(1) = right - length - label_width - 12.0_dp
+            if (corner == 2 .or. corner == 3) at(2) = top + 16.0_dp + rise*length
+            free = .true.
+            do i = 1, size(figure%series)
+               point = places(figure%series(i), x, y)
+               free = free .and. .not. any(point(1, :) > max(outside, at(1) - 6.0_dp) .and. &
+                  point(1, :) < at(1) + length + label_width .and. &
+                  abs(point(2, :) - at(2)) < rise*length + 12.0_dp)
+            end do
+            if (free) exit
+         end do
+         if (corner > 4) return
+         call put_line(writer, "<g class=""soft"">")
+         do slope = -1, 1
+            call put_path(writer, "", at(1) + [0.0_dp, length], at(2) - rise*slope*[0.0_dp, length])
+            call put_text(writer, "start", at(1) + length + 5.0_dp, &
+                          at(2) - rise*slope*length + 5.0_dp, trim(name(slope)))
+         end do
+         call put_line(writer, "</g>")
+      end subroutine put_slopes
+
    end subroutine write_svg
-
-   !> The rules that a page needs for its figures; they take the variables --text, --soft, --card
-   !> and --line of the page.
-   subroutine put_svg_style(writer)
-      !> Within a style element
-      type(writer_type), intent(inout) :: writer
-
-      call put_lines(writer, style)
-   end subroutine put_svg_style
-
-   subroutine put_lines(writer, lines)
-      type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: lines(:)
-      integer :: i
-
-      do i = 1, size(lines)
-         call put_line(writer, trim(lines(i)))
-      end do
-   end subroutine put_lines
-
-   !> What the script of a page takes to turn pixels into values: of either axis the pixels and the
-   !> values of its ends, decimal logarithms of a logarithmic one.
-   subroutine put_scales(writer, x, y)
-      type(writer_type), intent(inout) :: writer
-      type(axis_type), intent(in) :: x, y
-      character(3), parameter :: name(8) = [character(3) :: "x0", "x1", "x2", "x3", "y0", "y1", "y2", "y3"]
-      real(dp) :: value(8)
-      integer :: i
-
-      value = [x%from, x%to, x%first, x%last, y%from, y%to, y%first, y%last]
-      do i = 1, size(name)
-         call put_number_attribute(writer, "data-"//trim(name(i)), value(i))
-      end do
-      if (x%logarithmic) call put_attribute(writer, "data-log", "1")
-   end subroutine put_scales
 
    !> Whether a figure has a point that can be shown.
    pure logical function has_points(figure)
@@ -171,103 +226,5 @@ contains
          end associate
       end do
    end subroutine find_range
-
-   !> Axes that hold all points but those of guides.
-   pure subroutine set_axes(figure, x, y)
-      type(figure_type), intent(in) :: figure
-      !> Pixels from the left and from the top
-      type(axis_type), intent(out) :: x, y
-      real(dp) :: low(2), high(2)
-
-      call find_range(figure, low, high)
-      x = axis_type(figure%logarithmic, from=left, to=right)
-      y = axis_type(figure%logarithmic, from=bottom, to=top)
-      call set_range(x, low(1), high(1), merge(0.03_dp, 0.0_dp, figure%logarithmic))
-      call set_range(y, low(2), high(2), merge(0.1_dp, 0.04_dp, figure%logarithmic))
-   end subroutine set_axes
-
-   !> Grid, ticks, labels and the frame.
-   subroutine put_axes(writer, figure, x, y)
-      type(writer_type), intent(inout) :: writer
-      type(figure_type), intent(in) :: figure
-      type(axis_type), intent(in) :: x, y
-      type(tick_type), allocatable :: tick(:)
-      type(axis_type) :: second
-      real(dp) :: at
-      integer :: i
-
-      call find_ticks(x, x_spacing, tick)
-      do i = 1, size(tick)
-         at = position(x, tick(i)%value)
-         call put_path(writer, grid_class(tick(i)), [at, at], [bottom, top])
-         call put_text(writer, "middle", at, bottom + 22.0_dp, trim(tick(i)%label))
-      end do
-      call find_ticks(y, y_spacing, tick)
-      do i = 1, size(tick)
-         at = position(y, tick(i)%value)
-         call put_path(writer, grid_class(tick(i)), [left, right], [at, at])
-         call put_text(writer, "end", left - 7.0_dp, at + 5.0_dp, trim(tick(i)%label))
-      end do
-      call put_text(writer, "middle label", (left + right)/2, bottom + 48.0_dp, figure%x_label)
-      call put_text(writer, "start label", 12.0_dp, top - 12.0_dp, figure%y_label)
-      if (allocated(figure%right_label)) then
-         second = scale_axis(y, figure%right_factor)
-         call put_text(writer, "end", width - 12.0_dp, top - 12.0_dp, figure%right_label)
-         call find_ticks(second, y_spacing, tick)
-         do i = 1, size(tick)
-            at = position(second, tick(i)%value)
-            call put_path(writer, "frame", [right, right + 4.0_dp], [at, at])
-            call put_text(writer, "start", right + 8.0_dp, at + 5.0_dp, trim(tick(i)%label))
-         end do
-      end if
-      call put_path(writer, "frame", [left, right, right, left, left], &
-                    [bottom, bottom, top, top, bottom])
-   end subroutine put_axes
-
-   !> Lines without a label are fainter.
-   pure function grid_class(tick) result(name)
-      type(tick_type), intent(in) :: tick
-      character(:), allocatable :: name
-
-      name = "grid"
-      if (tick%label == "") name = "grid minor"
-   end function grid_class
-
-   !> Three lines of the slopes -1/2, 0 and +1/2 in the first corner without points.
-   subroutine put_slopes(writer, figure, x, y)
-      type(writer_type), intent(inout) :: writer
-      type(figure_type), intent(in) :: figure
-      type(axis_type), intent(in) :: x, y
-      character(4), parameter :: name(-1:1) = [character(4) :: "-1/2", "0", "+1/2"]
-      real(dp), parameter :: label_width = 40.0_dp
-      real(dp) :: rise, length, at(2)
-      real(dp), allocatable :: point(:, :)
-      logical :: free
-      integer :: corner, slope, i
-
-      rise = 0.5_dp*abs((y%to - y%from)/(y%last - y%first))*(x%last - x%first)/(x%to - x%from)
-      length = min(60.0_dp, 36.0_dp/rise)
-      do corner = 1, 4                         ! bottom left, top right, top left, bottom right
-         at = [left + 12.0_dp, bottom - 16.0_dp - rise*length]
-         if (modulo(corner, 2) == 0) at(1) = right - length - label_width - 12.0_dp
-         if (corner == 2 .or. corner == 3) at(2) = top + 16.0_dp + rise*length
-         free = .true.
-         do i = 1, size(figure%series)
-            point = places(figure%series(i), x, y)
-            free = free .and. .not. any(point(1, :) > max(outside, at(1) - 6.0_dp) .and. &
-               point(1, :) < at(1) + length + label_width .and. &
-               abs(point(2, :) - at(2)) < rise*length + 12.0_dp)
-         end do
-         if (free) exit
-      end do
-      if (corner > 4) return
-      call put_line(writer, "<g class=""soft"">")
-      do slope = -1, 1
-         call put_path(writer, "", at(1) + [0.0_dp, length], at(2) - rise*slope*[0.0_dp, length])
-         call put_text(writer, "start", at(1) + length + 5.0_dp, at(2) - rise*slope*length + 5.0_dp, &
-                       trim(name(slope)))
-      end do
-      call put_line(writer, "</g>")
-   end subroutine put_slopes
 
 end module gyroakf_report_svg

@@ -36,26 +36,40 @@ module gyroakf_report_svg_series
    real(dp), parameter :: row_height = 26.0_dp, legend_column(0:1) = [12.0_dp, 356.0_dp]
    !> Pixel of what is not drawn
    real(dp), parameter, public :: outside = -1.0_dp
+   !> Styles with a line, and with points
+   character(6), parameter :: line_styles(3) = [character(6) :: "line", "both", "guide"], &
+                              dot_styles(3) = [character(6) :: "points", "both", "mark"]
    !> Letters that fit into a column on a narrow screen
    integer, parameter :: column_letters = 31
 
 contains
 
-   !> Line, error bars, points of one series.
+   !> Line, error bars as far as they are inside, points of one series.
    subroutine put_series(writer, series, number, x, y)
       type(writer_type), intent(inout) :: writer
       type(series_type), intent(in) :: series
       integer, intent(in) :: number
       type(axis_type), intent(in) :: x, y
       real(dp), allocatable :: at(:, :)
+      real(dp) :: ends(2)
+      logical :: hollow
       integer :: i
 
       if (.not. allocated(series%x)) return
       at = places(series, x, y)
       call put_group(writer, "series "//trim(series%style), series, number)
-      if (has_line(series)) call put_path(writer, "", at(1, :), at(2, :))
-      do i = 1, size(at, 2)
-         if (has_dots(series) .and. at(1, i) > outside) call put_point(writer, series, i, at(:, i), y)
+      if (any(series%style == line_styles)) call put_path(writer, "", at(1, :), at(2, :))
+      do i = 1, merge(size(at, 2), 0, any(series%style == dot_styles))
+         if (at(1, i) <= outside) cycle
+         if (allocated(series%lower)) then
+            if (is_shown(y, series%lower(i)) .and. is_shown(y, series%upper(i))) then
+               ends = max(y%to, min(y%from, position(y, [series%lower(i), series%upper(i)])))
+               call put_path(writer, "bar", [at(1, i), at(1, i)], ends)
+            end if
+         end if
+         hollow = .false.
+         if (allocated(series%hollow)) hollow = series%hollow(i)
+         call put_circle(writer, series, at(:, i), i, hollow)
       end do
       call put_line(writer, "</g>")
    end subroutine put_series
@@ -90,30 +104,6 @@ contains
       call put_pixels(writer, """ data-series=""", [real(number, dp)], """>")
    end subroutine put_group
 
-   !> A point with its error bar, as far as that is inside; a ring of a mark.
-   subroutine put_point(writer, series, i, at, y)
-      type(writer_type), intent(inout) :: writer
-      type(series_type), intent(in) :: series
-      integer, intent(in) :: i
-      real(dp), intent(in) :: at(2)
-      type(axis_type), intent(in) :: y
-      character(:), allocatable :: class
-      real(dp) :: ends(2)
-
-      if (allocated(series%lower)) then
-         if (is_shown(y, series%lower(i)) .and. is_shown(y, series%upper(i))) then
-            ends = max(y%to, min(y%from, position(y, [series%lower(i), series%upper(i)])))
-            call put_path(writer, "bar", [at(1), at(1)], ends)
-         end if
-      end if
-      class = "dot"
-      if (allocated(series%hollow)) then
-         if (series%hollow(i)) class = "hollow"
-      end if
-      if (series%style == "mark") class = "ring"
-      call put_circle(writer, class, at, merge(9.0_dp, 3.8_dp, class == "ring"), i)
-   end subroutine put_point
-
    !> The labels of the series, the last one first, in two columns below the frame, each behind a
    !> sample of what is drawn.
    subroutine put_legend(writer, series, top)
@@ -130,29 +120,16 @@ contains
             at = [legend_column(modulo(cell(i), 2)), top + row_height*real(cell(i)/2, dp)]
             call put_group(writer, "key "//trim(s%style), s, i)
             if (allocated(s%x)) then
-               if (has_line(s)) call put_path(writer, "", at(1) + [0.0_dp, 28.0_dp], [at(2), at(2)])
-               if (s%style == "mark") call put_circle(writer, "ring", at + [14, 0], 8.0_dp, 0)
-               if (s%style /= "mark" .and. has_dots(s)) call put_circle(writer, "dot", at + [14, 0], 3.8_dp, 0)
+               if (any(s%style == line_styles)) call put_path(writer, "", &
+                                                              at(1) + [0.0_dp, 28.0_dp], &
+                                                              [at(2), at(2)])
+               if (any(s%style == dot_styles)) call put_circle(writer, s, at + [14, 0], 0, .false.)
             end if
             call put_text(writer, "start", at(1) + 38.0_dp, at(2) + 5.0_dp, s%label)
             call put_line(writer, "</g>")
          end associate
       end do
    end subroutine put_legend
-
-   !> Whether a series is drawn as a line.
-   pure logical function has_line(series)
-      type(series_type), intent(in) :: series
-
-      has_line = any(series%style == [character(6) :: "line", "both", "guide"])
-   end function has_line
-
-   !> Whether its points are drawn.
-   pure logical function has_dots(series)
-      type(series_type), intent(in) :: series
-
-      has_dots = any(series%style == [character(6) :: "points", "both", "mark"])
-   end function has_dots
 
    !> Pixel below the last row of a legend.
    pure real(dp) function legend_bottom(series, top)
@@ -214,15 +191,24 @@ contains
       call put_line(writer, "</text>")
    end subroutine put_text
 
-   !> A circle.
-   subroutine put_circle(writer, class, at, radius, number)
+   !> A point; the ring of a mark, smaller in the legend.
+   subroutine put_circle(writer, series, at, number, hollow)
       type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: class
-      real(dp), intent(in) :: at(2), radius
-      !> Of the point in its series
+      type(series_type), intent(in) :: series
+      real(dp), intent(in) :: at(2)
+      !> Of the point in its series, 0 in the legend
       integer, intent(in) :: number
+      logical, intent(in) :: hollow
+      character(6) :: name
+      real(dp) :: radius
 
-      call put_pixels(writer, "<path class="""//class//""" data-i=""", [real(number, dp)], "")
+      name = merge("hollow", "dot   ", hollow)
+      radius = 3.8_dp
+      if (series%style == "mark") then
+         name = "ring"
+         radius = merge(9.0_dp, 8.0_dp, number > 0)
+      end if
+      call put_pixels(writer, "<path class="""//trim(name)//""" data-i=""", [real(number, dp)], "")
       call put_pixels(writer, """ d=""M", [at(1) - radius, at(2)], "")
       call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, 2*radius, 0.0_dp], "")
       call put_pixels(writer, "a", [radius, radius, 0.0_dp, 1.0_dp, 0.0_dp, -2*radius, 0.0_dp], &

@@ -1,89 +1,38 @@
 ! SPDX-License-Identifier: MIT
-!> The tables of a channel for a paper: tests, Table I (AR models), Table II (filters); Table III is
-!> in [[gyroakf_report_text_noise]].
+!> The tables of a channel: tests, Table I (AR models), Table II (filters), Table III (noise
+!> coefficients).
 module gyroakf_report_tables
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_filter_series, only : filter_result_type
-   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, &
+      filter_figures_type, stage
    use gyroakf_record, only : record_type
    use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_text_layout, only : count_text, fixed, if_known, number, p_value_text, &
       percent, scientific
-   use gyroakf_report_text_noise, only : make_comparison
-   use gyroakf_report_text_table, only : add_row, new_table, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, new_table, table_type
    use gyroakf_report_verdicts, only : level, whiteness_word
+   use gyroakf_units, only : quantity
    implicit none (type, external)
    private
-   public :: make_tables, make_tests_table, has_tests, kpss_p_text, bare, make_ar_table, &
-      make_filter_table, has_filters, full_name
+   public :: make_tests_table, kpss_p_text, bare, make_ar_table, make_filter_table, full_name, &
+      make_comparison
 
 contains
 
-   !> Describes the tables that a channel has, in the order of the paper.
-   subroutine make_tables(record, channel, tables)
-      !> The channel alone, for its unit
-      type(record_type), intent(in) :: record
-      !> Filled as far as it is available
-      type(channel_result_type), intent(in) :: channel
-      !> [at most 4]
-      type(table_type), allocatable, intent(out) :: tables(:)
-      type(table_type) :: made(4)
-      integer :: n
-
-      n = 0
-      if (has_tests(channel)) then
-         n = n + 1
-         call make_tests_table(channel, made(n))
-      end if
-      if (channel%available%ar) then
-         n = n + 1
-         call make_ar_table(record, channel, made(n))
-      end if
-      if (has_filters(channel)) then
-         n = n + 1
-         call make_filter_table(record, channel, made(n))
-      end if
-      if (any(channel%allan%fitted)) then
-         n = n + 1
-         call make_comparison(record, channel, made(n))
-      end if
-      tables = made(:n)
-   end subroutine make_tables
-
-   !> A filter at least has a result.
-   pure logical function has_filters(channel)
-      !> Filters are filled as far as they are available
-      type(channel_result_type), intent(in) :: channel
-
-      associate (is => channel%available)
-         has_filters = is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf
-      end associate
-   end function has_filters
-
-   !> One test at least has a result.
-   pure logical function has_tests(channel)
-      !> Tests are filled as far as they are available
-      type(channel_result_type), intent(in) :: channel
-
-      associate (is => channel%available)
-         has_tests = is%adf .or. is%kpss .or. is%jarque_bera .or. is%anderson_darling .or. &
-            is%ljung_box
-      end associate
-   end function has_tests
-
-   !> A row for each test: what it takes for granted, its statistic, and whether it rejects that at
-   !> 5 %.
+   !> A row for each test that has a result: what it takes for granted, its statistic, and whether
+   !> it rejects that at 5 %.
    subroutine make_tests_table(channel, table)
-      !> [[has_tests]]
+      !> Tests are filled as far as they are available
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
 
-      call new_table(table, 1, 6, left=2)
-      table%name = "tests"
+      call new_table(table, 6, left=2)
       table%caption = "Tests of the "//trim(channel%tested)
       table%note = "Critical values and rejections are those of a significance of 5 %."
-      call add_row(table, "test", "null hypothesis;statistic;critical;p;rejected")
+      call add_row(table, "test", "null hypothesis", "statistic", "critical", "p", &
+                   "rejected")
       associate (is => channel%available, adf => channel%adf, kpss => channel%kpss, &
                  jarque_bera => channel%jarque_bera, anderson => channel%anderson_darling, &
                  ljung_box => channel%ljung_box)
@@ -110,8 +59,8 @@ contains
 
          limit = ""
          if (present(critical)) limit = number(critical, 4)
-         call add_row(table, name, hypothesis//";"//number(statistic, 4)//";"//limit//";"//p// &
-                      ";"//if_known(rejected, "yes", "no"))
+         call add_row(table, name, hypothesis, number(statistic, 4), limit, p, &
+                      if_known(rejected, "yes", "no"))
       end subroutine add_test
 
    end subroutine make_tests_table
@@ -150,21 +99,19 @@ contains
       type(table_type), intent(out) :: table
       integer :: i
 
-      call new_table(table, size(channel%ar%table) + 1, 8, left=0)
-      table%name = "ar"
+      call new_table(table, 8, left=0)
       table%number = "I"
       table%caption = "AR models ("//full_name(channel%ar%method)//", n = "// &
          count_text(channel%ar%compared_rows)//", variances in ("//unit_name(record)// &
          ")^2); * is the order chosen by "//full_name(channel%ar%criterion)
-      call add_row(table, "order", "variance;AIC;AICc;BIC;HQIC;FPE;AIC/n")
+      call add_row(table, "order", "variance", "AIC", "AICc", "BIC", "HQIC", "FPE", "AIC/n")
       do i = lbound(channel%ar%table, 1), ubound(channel%ar%table, 1)
          associate (line => channel%ar%table(i))
             call add_row(table, merge("* ", "  ", line%order == channel%ar%order)// &
                          count_text(int(line%order, int64)), &
-                         scientific(line%noise_variance, 5)//";"//criterion(line%aic)//";"// &
-                         criterion(line%aicc)//";"//criterion(line%bic)//";"// &
-                         criterion(line%hqic)//";"//scientific(line%fpe, 5)//";"// &
-                         fixed(line%aic_per_observation, 6))
+                         scientific(line%noise_variance, 5), criterion(line%aic), &
+                         criterion(line%aicc), criterion(line%bic), criterion(line%hqic), &
+                         scientific(line%fpe, 5), fixed(line%aic_per_observation, 6))
          end associate
       end do
    end subroutine make_ar_table
@@ -204,73 +151,39 @@ contains
       type(channel_result_type), intent(in) :: channel
       !> Described
       type(table_type), intent(out) :: table
+      character(:), allocatable :: text
 
-      call new_table(table, 1, 9, head=merge(2, 1, has_unit(record)))
-      table%name = "filters"
+      call new_table(table, 9, head=merge(2, 1, has_unit(record)))
       table%number = "II"
       table%caption = "Before and after the filters"//if_known(.not. has_unit(record), &
                                                                ", in input units")
-      call add_row(table, "", "mean;variance;share;gain;passes;NIS;|rho|;innov.")
+      call add_row(table, "", "mean", "variance", "share", "gain", "passes", "NIS", "|rho|", &
+                   "innov.")
       if (has_unit(record)) then
-        call add_row(table, "", unit_name(record)//";("//unit_name(record)//")^2")
+         call add_row(table, "", unit_name(record), "("//unit_name(record)//")^2")
       end if
-      table%note = filter_note(channel)
       associate (is => channel%available)
-         call add_series("raw", channel%raw%mean, channel%raw%variance, "")
+         call add_series("raw", channel%raw%mean, channel%raw%variance)
          call add_series("cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
          if (is%kf) call add_filter("KF (paper)", channel%kf, channel%kf_figures)
          if (is%akf) call add_filter("AKF (paper)", channel%akf, channel%akf_figures)
          if (channel%drift%found .and. is%preprocess) then
-           call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
+            call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
          end if
          if (is%drift_kf) call add_filter("drift KF", channel%drift_kf, channel%drift_kf_figures)
          if (is%drift_akf) then
-           call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
+            call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
          end if
          if (is%drift_smoother) then
             call add_filter("smoother", channel%drift_smoother, channel%drift_smoother_figures)
             call add_series("compensated", channel%compensated%mean, &
-                            channel%compensated%variance, percent(channel%compensated_ratio)// &
-                            ";;"//fixed(channel%drift_smoother_figures%lost_percent/100, 4))
+                            channel%compensated%variance, percent(channel%compensated_ratio))
+            call add_cell(table, "")
+            call add_cell(table, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
          end if
-      end associate
-
-   contains
-
-      !> A series; its cells from the share on.
-      subroutine add_series(name, mean, variance, cells)
-         character(*), intent(in) :: name, cells
-         real(dp), intent(in) :: mean, variance
-
-         call add_row(table, name, scientific(mean, 4)//";"//scientific(variance, 5)//";"//cells)
-      end subroutine add_series
-
-      !> A filter; a smoother has no innovations.
-      subroutine add_filter(name, filter, figures)
-         character(*), intent(in) :: name
-         type(filter_result_type), intent(in) :: filter
-         type(filter_figures_type), intent(in) :: figures
-         logical :: measured
-
-         measured = filter%nis_high > 0.0_dp
-         call add_series(name, filter%mean, filter%variance, percent(figures%variance_ratio)// &
-                         ";"//if_known(measured, number(filter%gain, 2))//";"// &
-                         fixed(filter%dc_gain, 4)//if_known(measured, ";"// &
-                         fixed(filter%nis_mean, 3)//";"//number(filter%ljung_box%largest_rho, 2)// &
-                         ";"//trim(whiteness_word(filter%ljung_box))))
-      end subroutine add_filter
-
-   end subroutine make_filter_table
-
-   !> What the columns of Table II mean, and what its filters are for.
-   pure function filter_note(channel) result(text)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-
-      text = "share: variance over that of the series above that is filtered. gain: mean of "// &
-         "the last third. passes: share of a constant rotation (DC gain). NIS: mean squared "// &
-         "normalized innovation, 1 where Q and R describe the innovations"
-      associate (is => channel%available)
+         text = "share: variance over that of the series above that is filtered. gain: mean of "// &
+            "the last third. passes: share of a constant rotation (DC gain). NIS: mean squared "// &
+            "normalized innovation, 1 where Q and R describe the innovations"
          if (is%kf .and. channel%kf%nis_high > 0.0_dp) text = text//" (95 % of such filters "// &
             "within "//fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"
          text = text//". |rho|: largest autocorrelation of the innovations."
@@ -282,7 +195,112 @@ contains
          if (is%drift_smoother) text = text//" compensated: the record less its smoothed "// &
             "drift. In-sample: the drift was taken from the same record, before and after "// &
             "each sample; no filter in use does as well."
+         table%note = text
       end associate
-   end function filter_note
+
+   contains
+
+      !> A series; further cells may follow.
+      subroutine add_series(name, mean, variance, share)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: mean, variance
+         character(*), intent(in), optional :: share
+
+         call add_row(table, name, scientific(mean, 4), scientific(variance, 5), share)
+      end subroutine add_series
+
+      !> A filter; a smoother has no innovations.
+      subroutine add_filter(name, filter, figures)
+         character(*), intent(in) :: name
+         type(filter_result_type), intent(in) :: filter
+         type(filter_figures_type), intent(in) :: figures
+         logical :: measured
+
+         measured = filter%nis_high > 0.0_dp
+         call add_series(name, filter%mean, filter%variance, percent(figures%variance_ratio))
+         call add_cell(table, if_known(measured, number(filter%gain, 2)))
+         call add_cell(table, fixed(filter%dc_gain, 4))
+         if (.not. measured) return
+         call add_cell(table, fixed(filter%nis_mean, 3))
+         call add_cell(table, number(filter%ljung_box%largest_rho, 2))
+         call add_cell(table, trim(whiteness_word(filter%ljung_box)))
+      end subroutine add_filter
+
+   end subroutine make_filter_table
+
+   !> Table III: a row for each series, a column for each term.
+   subroutine make_comparison(record, channel, table)
+      !> For the names of the terms
+      type(record_type), intent(in) :: record
+      !> Curves and coefficients as far as they are available
+      type(channel_result_type), intent(in) :: channel
+      !> Described
+      type(table_type), intent(out) :: table
+      character(11), parameter :: series(6) = [character(11) :: "raw", "no outliers", "cleaned", &
+                                               "KF", "AKF", "compensated"]
+      character(:), allocatable :: walks
+      integer :: term, which, i
+
+      call new_table(table, 6, head=2)
+      table%number = "III"
+      table%caption = "Noise coefficients from the Allan deviation"
+      select case (record%unit%quantity)
+      case (quantity%angular_rate); walks = "N angle random walk, B bias instability, K rate"
+      case (quantity%acceleration); walks = "N velocity random walk, B bias instability, K"
+      case default; walks = "N white noise, B bias instability, K rate"
+      end select
+      table%note = "Q quantization, "//walks//" random walk, R ramp. +/-: one standard error; <: "// &
+         "not detected, one-sided 95 % limit."
+      call add_row(table, "", "Q", "N", "B", "K", "R")
+      call add_row(table, "")
+      which = findloc(channel%allan%fitted, .true., dim=1)
+      do term = 1, 5
+         if (which == 0) exit
+         associate (unit => channel%allan(which)%stated%term(term)%unit)
+            i = 0                                          ! a wide unit has two lines
+            if (len(unit) > 12) i = max(0, scan(unit, "*/", back=.true.) - 1)
+            call add_cell(table, unit(:i)//if_known(i > 0, new_line("a"))//unit(i + 1:))
+         end associate
+      end do
+      do which = stage%input, stage%compensated
+         if (.not. channel%allan(which)%available) cycle
+         if (which == stage%cleaned .and. .not. channel%available%cleaned) cycle
+         call add_row(table, trim(series(which)))
+         do term = 1, 5
+            call add_cell(table, compared_text(channel%allan(which), term))
+         end do
+      end do
+      associate (left => channel%allan(stage%compensated))
+         if (left%fitted) table%note = table%note//" compensated: in-sample, from the first "// &
+            count_text(int(left%noise%points, int64))//" octaves."
+      end associate
+      if (.not. any(channel%reduction_known .or. channel%reduction_at_least > 0.0_dp)) return
+      table%note = table%note//" reduction: from cleaned to AKF."
+      call add_row(table, "reduction")
+      do term = 1, 5
+         if (channel%reduction_known(term)) then
+            call add_cell(table, number(channel%reduction_percent(term), 3)//" %")
+         else
+            call add_cell(table, if_known(channel%reduction_at_least(term) > 0.0_dp, "> "// &
+                                          number(channel%reduction_at_least(term), 3)//" %", "-"))
+         end if
+      end do
+   end subroutine make_comparison
+
+   !> The value and under it its error, or the limit.
+   pure function compared_text(allan, term) result(text)
+      type(allan_result_type), intent(in) :: allan
+      integer, intent(in) :: term
+      character(:), allocatable :: text
+
+      text = "-"
+      associate (stated => allan%stated%term(term))
+         if (allan%fitted .and. stated%state == "withheld") text = "withheld"
+         if (.not. (allan%fitted .and. stated%fitted)) return
+         if (stated%detected) text = number(stated%value, 4)//new_line("a")//"+/- "// &
+            number(stated%std_error, 2)
+         if (.not. stated%detected) text = "< "//number(stated%upper_limit, 3)
+      end associate
+   end function compared_text
 
 end module gyroakf_report_tables

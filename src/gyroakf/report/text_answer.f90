@@ -10,7 +10,8 @@ module gyroakf_report_text_answer
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
    use gyroakf_report_text_layout, only : if_known, number, put_item, put_paragraph, &
       report_width, rounded
-   use gyroakf_report_text_table, only : add_row, column_widths, new_table, put_table, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, column_widths, new_table, put_table, &
+      table_type
    use gyroakf_units, only : quantity
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
@@ -30,22 +31,21 @@ contains
       !> Nothing is written where no Allan deviation was fitted
       type(pipeline_result_type), intent(in) :: result
       integer :: first, last, i
-      logical :: fitted
+      logical :: fitted(size(result%channel))
 
-      fitted = .false.
+      fitted = [(result%channel(i)%allan(stage%input)%fitted, i=1, size(fitted))]
       last = 0
-      do while (last < size(result%channel))
+      do while (last < size(fitted))
          first = last + 1
          last = first
-         do while (last < size(result%channel))
+         do while (last < size(fitted))
             if (unit_of(result%channel(last + 1)) /= unit_of(result%channel(first))) exit
             last = last + 1
          end do
-         if (.not. any([(result%channel(i)%allan(stage%input)%fitted, i=first, last)])) cycle
-         fitted = .true.
-         call put_group(writer, record, result%channel(first:last), first)
+         if (any(fitted(first:last))) call put_group(writer, record, result%channel(first:last), &
+                                                     first)
       end do
-      if (.not. fitted) return
+      if (.not. any(fitted)) return
       call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld", 2)
    end subroutine put_answer
 
@@ -74,55 +74,95 @@ contains
 
       call put_line(writer, "")
       call view_channel(record, first, view)
-      call new_table(table, 2, 8, head=2)
-      call add_row(table, "", "mean;N;B;K;minimum;at tau;noise")
+      call new_table(table, 8, head=2)
+      call add_row(table, "", "mean", "N", "B", "K", "minimum", "at tau", "noise")
       associate (term => channel(1)%allan(stage%input)%stated%term)
-         call add_row(table, "", if_known(has_unit(view), unit_name(view))//";"// &
-                      term(term_n)%unit//";"//term(3)%unit//";"//term(term_k)%unit//";"// &
-                      term(3)%unit//";"//time_unit(record))
+         call add_row(table, "", if_known(has_unit(view), unit_name(view)), &
+                      term(term_n)%unit, term(3)%unit, term(term_k)%unit, term(3)%unit, &
+                      time_unit(record))
       end associate
       do c = 1, size(channel)
-         associate (one => channel(c), allan => channel(c)%allan)
-            call add_row(table, one%name, cells_of(one%raw%mean, allan(stage%input))//";"// &
-                         trim(verdict_text(one)))
-            if (outliers_matter(one)) call add_row(table, " no outliers", &
-                                                   cells_of(one%level%mean, &
-                                                            allan(stage%outliers_removed)))
-         end associate
+         call add_series(channel(c)%name, channel(c)%raw%mean, channel(c)%allan(stage%input))
+         call add_cell(table, trim(verdict_text(channel(c))))
+         if (outliers_matter(channel(c))) then
+            call add_series(" no outliers", channel(c)%level%mean, &
+                            channel(c)%allan(stage%outliers_removed))
+         end if
       end do
       call column_widths(table, width)
       if (2 + sum(width) + size(width) - 1 > report_width) then
          table%cell = table%cell(:, :7)
          call put_table(writer, table)
-         call put_verdicts(writer, channel)
+         call put_verdicts()
       else
          call put_table(writer, table)
       end if
-      call put_filter_numbers(writer, view, channel)
-   end subroutine put_group
+      if (record%rate_known) call put_filter_numbers()
 
-   !> The verdicts below a table that is too narrow for them: "gx, gy stationary; gz drifts: random walk".
-   subroutine put_verdicts(writer, channel)
-      type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel(:)
-      character(:), allocatable :: text, names
-      integer :: c, i
+   contains
 
-      text = ""
-      do c = 1, size(channel)
-         names = ""
-         do i = 1, size(channel)
-            if (verdict_text(channel(i)) /= verdict_text(channel(c))) cycle
-            if (i < c) exit
-            names = names//", "//channel(i)%name
+      !> Mean, N, B, K and the lowest Allan deviation of a series.
+      subroutine add_series(name, mean, allan)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: mean
+         type(allan_result_type), intent(in) :: allan
+
+         associate (term => allan%stated%term, read_off => allan%read_off)
+            call add_row(table, name, number(mean, 3), coefficient_text(term(term_n)), &
+                         coefficient_text(term(3)), coefficient_text(term(term_k)), &
+                         if_known(read_off%known, number(read_off%minimum, 3)), &
+                         if_known(read_off%known, number(read_off%minimum_tau, 4)))
+         end associate
+      end subroutine add_series
+
+      !> The verdicts below a table that is too narrow for them: "gx, gy stationary; gz drifts:
+      !> random walk".
+      subroutine put_verdicts()
+         character(:), allocatable :: text, names
+         integer :: i
+
+         text = ""
+         do c = 1, size(channel)
+            names = ""
+            do i = 1, size(channel)
+               if (verdict_text(channel(i)) /= verdict_text(channel(c))) cycle
+               if (i < c) exit
+               names = names//", "//channel(i)%name
+            end do
+            if (names == "") cycle
+            text = text//if_known(text /= "", "; ")//if_known(size(channel) > 1, names(3:)//" ")// &
+               trim(verdict_text(channel(c)))
          end do
-         if (names == "") cycle
-         if (text /= "") text = text//"; "
-         if (size(channel) > 1) text = text//names(3:)//" "
-         text = text//trim(verdict_text(channel(c)))
-      end do
-      call put_item(writer, "Noise", text, verbatim=.true.)
-   end subroutine put_verdicts
+         call put_item(writer, "Noise", text, verbatim=.true.)
+      end subroutine put_verdicts
+
+      !> N and K of the channel with the largest N, in SI, as a Kalman filter at the rate of the
+      !> record takes them: of the record without outliers where some were removed.
+      subroutine put_filter_numbers()
+         character(:), allocatable :: text
+         integer :: which(size(channel))
+
+         which = [(merge(stage%outliers_removed, stage%input, &
+                         channel(c)%allan(stage%outliers_removed)%available), c=1, size(channel))]
+         c = maxloc([(channel(c)%allan(which(c))%stated%term(term_n)%value_si, &
+                      c=1, size(channel))], dim=1)
+         associate (n => channel(c)%allan(which(c))%stated%term(term_n), &
+                    k => channel(c)%allan(which(c))%stated%term(term_k))
+            if (.not. (n%detected .and. n%value_si > 0.0_dp)) return
+            text = "N "//number(n%value_si, 3)//" "//n%unit_si//" ("// &
+               number(n%value_si/sqrt(record%sample_interval), 3)//" "// &
+               if_known(view%unit%quantity == quantity%acceleration, "m/s^2", "rad/s")// &
+               " rms a sample)"
+            if (k%fitted) text = text//", K "//if_known(k%detected, number(k%value_si, 3), "< "// &
+                                                        number(k%upper_limit_si, 2))//" "//k%unit_si
+            call put_item(writer, "Kalman filter", &
+                          "at "//number(1.0_dp/record%sample_interval, 5)//" Hz in SI"// &
+                          if_known(which(c) /= stage%input, ", without outliers")//": "//text// &
+                          if_known(size(channel) > 1, " ("//channel(c)%name//", the largest N)"))
+         end associate
+      end subroutine put_filter_numbers
+
+   end subroutine put_group
 
    !> Without the outliers another term is detected, or one is more than its standard error away.
    elemental logical function outliers_matter(channel)
@@ -140,21 +180,6 @@ contains
       end do
    end function outliers_matter
 
-   !> Mean, N, B, K and the lowest Allan deviation of a series.
-   function cells_of(mean, allan) result(cells)
-      real(dp), intent(in) :: mean
-      type(allan_result_type), intent(in) :: allan
-      character(:), allocatable :: cells
-      integer :: term
-
-      cells = number(mean, 3)
-      do term = term_n, term_k
-         cells = cells//";"//coefficient_text(allan%stated%term(term))
-      end do
-      cells = cells//";"//if_known(allan%read_off%known, number(allan%read_off%minimum, 3)//";"// &
-                                   number(allan%read_off%minimum_tau, 4), ";")
-   end function cells_of
-
    !> "2.484 +/- 0.007", "< 130", "-".
    pure function coefficient_text(stated) result(text)
       !> In the stated unit
@@ -166,30 +191,5 @@ contains
       text = "< "//number(stated%upper_limit, 3)
       if (stated%detected) text = rounded(stated%value, stated%std_error)
    end function coefficient_text
-
-   !> N and K of the channel with the largest N, in SI, as a Kalman filter at the rate of the record
-   !> takes them.
-   subroutine put_filter_numbers(writer, record, channel)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel(:)
-      character(:), allocatable :: text
-      integer :: c
-
-      c = maxloc([(channel(c)%allan(stage%input)%stated%term(term_n)%value_si, c=1, size(channel))], dim=1)
-      associate (n => channel(c)%allan(stage%input)%stated%term(term_n), &
-                 k => channel(c)%allan(stage%input)%stated%term(term_k))
-         if (.not. (record%rate_known .and. n%detected .and. n%value_si > 0.0_dp)) return
-         text = "N "//number(n%value_si, 3)//" "//n%unit_si//" ("// &
-            number(n%value_si/sqrt(record%sample_interval), 3)//" "// &
-            if_known(record%unit%quantity == quantity%acceleration, "m/s^2", "rad/s")// &
-            " rms a sample)"
-         if (k%fitted) text = text//", K "//if_known(k%detected, number(k%value_si, 3), "< "// &
-                                                     number(k%upper_limit_si, 2))//" "//k%unit_si
-         call put_item(writer, "Kalman filter", "at "//number(1.0_dp/record%sample_interval, 5)// &
-                       " Hz in SI: "//text//if_known(size(channel) > 1, " ("//channel(c)%name// &
-                                                     ", the largest N)"))
-      end associate
-   end subroutine put_filter_numbers
 
 end module gyroakf_report_text_answer

@@ -7,7 +7,8 @@ module gyroakf_report_text_description
    use gyroakf_io_writer, only : writer_type
    use gyroakf_record, only : text_type
    use gyroakf_report_description, only : description_type
-   use gyroakf_report_text_layout, only : count_text, fixed, number, p_value_text, put_heading, &
+   use gyroakf_report_text_layout, only : count_text, fixed, if_known, number, p_value_text, &
+      put_heading, &
       put_item, put_paragraph, rounded
    implicit none (type, external)
    private
@@ -99,27 +100,38 @@ contains
       if (self%depth <= self%hidden) self%hidden = max_depth
    end subroutine close_group
 
+   !> A number rounded to its error; two decimals where a criterion or a likelihood needs them.
    subroutine put_value(self, key, value)
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value
-      character(:), allocatable :: title, unit
+      character(:), allocatable :: title, unit, number_text
       logical :: shown
 
-      call find_title(self, key, title, shown)
+      call find_title(self, key, title, shown, unit)
       if (.not. shown) return
       select type (value)
       type is (real(dp))
-         unit = unit_of(key)
          if (allocated(self%member%unit)) unit = " "//self%member%unit
-         title = title//" "//value_text(value, self%member%std_error)//unit
+         number_text = rounded(value, self%member%std_error)
+         if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. &
+             .not. self%member%std_error > 0.0_dp) number_text = fixed(value, 2)
+         title = title//" "//number_text//unit
          if (key == "p_value" .and. .not. allocated(self%member%title)) title = p_value_text(value)
       type is (integer); title = title//" "//count_text(int(value, int64))
       type is (integer(int64)); title = title//" "//count_text(value)
       type is (logical); if (.not. value) title = "not "//title
       type is (character(*))
          if (key == "") then
-            call put_remark(self, value)
+            if (self%depth == 1) then
+               call end_line(self)
+               self%line = value
+               call end_line(self)
+            else if (self%line == "" .or. ends_with(self%line, "(")) then
+               self%line = self%line//value//":"
+            else
+               self%line = self%line//"; "//value
+            end if
             return
          end if
          title = title//" "//value
@@ -157,53 +169,32 @@ contains
       call add(self, title)
    end subroutine put_values
 
-   !> Before the values of a line "not white: ", after them "; the samples are correlated"; a line
-   !> of its own in an outermost group.
-   subroutine put_remark(self, text)
-      class(text_description_type), intent(inout) :: self
-      character(*), intent(in) :: text
-
-      if (self%depth == 1) then
-         call end_line(self)
-         self%line = text
-         call end_line(self)
-      else if (self%line == "" .or. ends_with(self%line, "(")) then
-         self%line = self%line//text//":"
-      else
-         self%line = self%line//"; "//text
-      end if
-   end subroutine put_remark
-
-   !> What a member is called, and whether it is shown.
-   subroutine find_title(self, key, title, shown)
+   !> What a member is called, whether it is shown, and its unit: " s" of "tau_s".
+   subroutine find_title(self, key, title, shown, unit)
       class(text_description_type), intent(in) :: self
       character(*), intent(in) :: key
       character(:), allocatable, intent(out) :: title
       logical, intent(out) :: shown
+      character(:), allocatable, intent(out), optional :: unit
+      character(2) :: name
       integer :: i
 
       title = key
       i = index(key, "_", back=.true.)
-      if (unit_of(key) /= "") title = key(:i - 1)
+      select case (key(i + 1:))
+      case ("s"); name = "s"
+      case ("hz"); name = "Hz"
+      case ("percent"); name = "%"
+      case default; name = ""
+      end select
+      if (name /= "") title = key(:i - 1)
+      if (present(unit)) unit = if_known(name /= "", " "//trim(name))
       do i = 1, len(title)
          if (title(i:i) == "_") title(i:i) = " "
       end do
       if (allocated(self%member%title)) title = self%member%title
       shown = self%member%shown .and. self%depth <= self%hidden
    end subroutine find_title
-
-   !> " s" of "tau_s".
-   pure function unit_of(key) result(unit)
-      character(*), intent(in) :: key
-      character(:), allocatable :: unit
-
-      select case (key(index(key, "_", back=.true.) + 1:))
-      case ("s"); unit = " s"
-      case ("hz"); unit = " Hz"
-      case ("percent"); unit = " %"
-      case default; unit = ""
-      end select
-   end function unit_of
 
    !> Appends words to the line.
    subroutine add(self, text)
@@ -246,17 +237,6 @@ contains
       if (in_list) self%label = ""
       self%line = ""
    end subroutine end_line
-
-   !> Rounded to the error; two decimals where a criterion or a likelihood needs them.
-   pure function value_text(value, std_error) result(text)
-      real(dp), intent(in) :: value, std_error
-      character(:), allocatable :: text
-
-      text = rounded(value, std_error)
-      if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. .not. std_error > 0.0_dp) then
-        text = fixed(value, 2)
-      end if
-   end function value_text
 
    !> With a capital letter in front.
    pure function capitalized(text) result(name)

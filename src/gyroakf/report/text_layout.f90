@@ -67,7 +67,7 @@ contains
 
       shown = text
       if (writer%colour .and. color /= "" .and. text /= "") then
-        shown = achar(27)//"["//color//"m"//text//achar(27)//"[0m"
+         shown = achar(27)//"["//color//"m"//text//achar(27)//"[0m"
       end if
    end function painted
 
@@ -153,16 +153,25 @@ contains
       integer, intent(in) :: indent
       character(*), intent(in) :: color
       character(:), allocatable :: line
-      integer :: position, last, width, used
+      integer :: position, last, width, word, used
 
       line = painted(writer, first, color)
       width = text_width(first)
       used = 0                                          ! words in the line
       position = 1
       do
-         call next_word(text, position, report_width - indent, last)
+         position = position + verify(text(position:)//"x", " ") - 1
+         last = position - 1
+         word = 0
+         do while (last < len(text))
+            if (is_break(text, last + 1)) exit
+            if (.not. is_continuation(text(last + 1:last + 1))) word = word + 1
+            if (word > report_width - indent) exit
+            last = last + 1
+         end do
          if (last < position) exit
-         if (used > 0 .and. width + 1 + text_width(text(position:last)) > report_width) then
+         word = text_width(text(position:last))
+         if (used > 0 .and. width + 1 + word > report_width) then
             call end_line()
             line = repeat(" ", indent)
             width = indent
@@ -172,7 +181,7 @@ contains
             width = width + 1
          end if
          line = line//text(position:last)
-         width = width + text_width(text(position:last))
+         width = width + word
          used = used + 1
          position = last + 1
       end do
@@ -186,26 +195,6 @@ contains
       end subroutine end_line
 
    end subroutine put_wrapped
-
-   !> The next word from `position` on, which moves to its first byte; `last` is before it where
-   !> there is none.
-   pure subroutine next_word(text, position, widest, last)
-      character(*), intent(in) :: text
-      integer, intent(inout) :: position
-      integer, intent(in) :: widest
-      integer, intent(out) :: last
-      integer :: width
-
-      position = position + verify(text(position:)//"x", " ") - 1
-      last = position - 1
-      width = 0
-      do while (last < len(text))
-         if (is_break(text, last + 1)) exit
-         if (.not. is_continuation(text(last + 1:last + 1))) width = width + 1
-         if (width > widest) exit
-         last = last + 1
-      end do
-   end subroutine next_word
 
    !> A line may end at this byte.
    pure logical function is_break(text, i)

@@ -10,12 +10,12 @@ module gyroakf_report_text_overview
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_document_tests, only : put_ar
    use gyroakf_report_input, only : unit_name
-   use gyroakf_report_tables, only : bare, full_name, has_filters, has_tests, kpss_p_text, &
+   use gyroakf_report_tables, only : bare, full_name, kpss_p_text, &
       make_ar_table, make_filter_table, make_tests_table
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, &
       put_heading, put_item, put_paragraph, rounded, scientific
-   use gyroakf_report_text_table, only : add_row, new_table, put_numbered, put_table, set_cell, &
+   use gyroakf_report_text_table, only : add_cell, add_row, new_table, put_numbered, put_table, &
       table_type
    use gyroakf_report_verdicts, only : verdict_text, whiteness_word
    implicit none (type, external)
@@ -27,7 +27,7 @@ contains
    !> What a command is for, but for the Allan analysis.
    subroutine put_overview(writer, command, record, result)
       !> The report
-      type(writer_type), intent(inout) :: writer
+      type(writer_type), intent(inout), target :: writer
       !> run, tests, ar or filter
       character(*), intent(in) :: command
       !> For units
@@ -43,11 +43,92 @@ contains
          return
       end if
       select case (command)
-      case ("tests"); call make_tests(result%channel, table)
-      case ("ar"); call make_models(result%channel, table)
-      case default; call make_filters(result%channel, table)
+      case ("tests"); call make_tests()
+      case ("ar"); call make_models()
+      case default; call make_filters()
       end select
       call put_below(writer, table, table%note)
+
+   contains
+
+      !> The filters of several channels.
+      subroutine make_filters()
+         integer :: c
+
+         call new_table(table, 9, head=2)
+         call add_row(table, "", "outliers", "AR", "KF", "", "AKF", "", "drift KF", "smoother")
+         call add_row(table, "", "", "order", "share", "passes", "share", "passes", "share", &
+                      "share")
+         table%note = "share: variance of the output over that of the input. passes: share of a "// &
+            "constant rotation"
+         do c = 1, size(result%channel)
+            associate (one => result%channel(c), is => result%channel(c)%available)
+               call add_row(table, one%name, &
+                            if_known(is%preprocess, count_text(one%clean%removed)), &
+                            if_known(is%ar, count_text(int(one%ar%order, int64))), &
+                            if_known(is%kf, percent(one%kf_figures%variance_ratio)), &
+                            if_known(is%kf, percent(one%kf%dc_gain)), &
+                            if_known(is%akf, percent(one%akf_figures%variance_ratio)), &
+                            if_known(is%akf, percent(one%akf%dc_gain)), &
+                            if_known(is%drift_kf, percent(one%drift_kf_figures%variance_ratio), &
+                                     "-"), &
+                            if_known(is%drift_smoother, &
+                                     percent(one%drift_smoother_figures%variance_ratio), "-"))
+            end associate
+         end do
+      end subroutine make_filters
+
+      !> The AR models of several channels.
+      subroutine make_models()
+         integer :: c, i
+
+         call new_table(table, 9)
+         call add_row(table, "", "order", "phi_1", "phi_2", "phi_3", "variance", "predicts", &
+                      "|rho|", "residuals")
+         table%note = "order: by "//full_name(result%channel(1)%ar%criterion)// &
+            ". variance: of the "// &
+            "residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
+            "autocorrelation of the residuals"
+         do c = 1, size(result%channel)
+            call add_row(table, result%channel(c)%name)
+            if (.not. result%channel(c)%available%ar) cycle
+            associate (ar => result%channel(c)%ar, test => result%channel(c)%ar%residual_ljung_box)
+               call add_cell(table, count_text(int(ar%order, int64)))
+               do i = 1, 3
+                  if (i <= ar%order) call add_cell(table, number(ar%coefficient(i), 4))
+                  if (i > ar%order) call add_cell(table, "")
+               end do
+               call add_cell(table, scientific(ar%noise_variance, 4))
+               call add_cell(table, number(result%channel(c)%predictable_percent, 3)//" %")
+               call add_cell(table, number(test%largest_rho, 2))
+               call add_cell(table, if_known(test%lags > 0, trim(whiteness_word(test))))
+            end associate
+         end do
+      end subroutine make_models
+
+      !> The tests of several channels.
+      subroutine make_tests()
+         integer :: c
+
+         call new_table(table, 8, head=2)
+         call add_row(table, "", "unit root", "level", "normal", "excess", "white", "largest", &
+                      "noise")
+         call add_row(table, "", "ADF", "KPSS", "Jarque-Bera", "kurtosis", "Ljung-Box", "|rho|")
+         table%note = "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is "// &
+            "rejected where they are small"
+         do c = 1, size(result%channel)
+            associate (one => result%channel(c), is => result%channel(c)%available)
+               call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value)), &
+                            if_known(is%kpss, kpss_p_text(one)), &
+                            if_known(is%jarque_bera, bare(one%jarque_bera%p_value)), &
+                            if_known(is%jarque_bera, number(one%jarque_bera%kurtosis - 3, 2)), &
+                            if_known(is%ljung_box, bare(one%ljung_box%p_value)), &
+                            if_known(is%ljung_box, number(one%ljung_box%largest_rho, 2)), &
+                            if_known(one%verdict%wanted, trim(verdict_text(one))))
+            end associate
+         end do
+      end subroutine make_tests
+
    end subroutine put_overview
 
    !> A table below an empty line, and what it means.
@@ -69,13 +150,25 @@ contains
       type(channel_result_type), intent(in) :: channel
       type(table_type) :: table
       type(text_description_type) :: out
+      integer :: i
+      character(:), allocatable :: text
+      character(13), parameter :: names(0:3) = [character(13) :: "constant", "straight line", &
+                                                   "parabola", "cubic"]
 
       select case (command)
       case ("tests")
-         call put_verdict(writer, channel)
-         if (.not. has_tests(channel)) return
+         if (channel%verdict%wanted) then
+            call put_item(writer, "Noise", trim(verdict_text(channel)))
+            if (allocated(channel%verdict%reasons)) then
+               do i = 1, size(channel%verdict%reasons)
+                  call put_item(writer, "", channel%verdict%reasons(i)%text)
+               end do
+            end if
+         end if
          call make_tests_table(channel, table)
-         call put_below(writer, table, table%caption//". "//table%note)
+         if (size(table%cell, 1) > table%head) then
+            call put_below(writer, table, table%caption//". "//table%note)
+         end if
       case ("ar")
          if (.not. channel%available%ar) return
          call make_ar_table(record, channel, table)
@@ -83,218 +176,95 @@ contains
          call out%attach(writer)
          call put_ar(out, channel)
       case default
-         if (channel%available%preprocess) then
-           call put_item(writer, "Cleaned", cleaning_text(channel%clean))
-         end if
-         if (channel%available%ar) then
-           call put_item(writer, "AR("//count_text(int(channel%ar%order, int64))//")", &
-                          model_text(channel))
-         end if
-         if (has_filters(channel)) call put_series(writer, record, channel)
-         call put_rmse(writer, record, channel)
-      end select
-   end subroutine put_one
-
-   !> The verdict and its reasons; nothing where none was looked for.
-   subroutine put_verdict(writer, channel)
-      type(writer_type), intent(inout) :: writer
-      type(channel_result_type), intent(in) :: channel
-      integer :: i
-
-      if (.not. channel%verdict%wanted) return
-      call put_item(writer, "Noise", trim(verdict_text(channel)))
-      if (.not. allocated(channel%verdict%reasons)) return
-      do i = 1, size(channel%verdict%reasons)
-         call put_item(writer, "", channel%verdict%reasons(i)%text)
-      end do
-   end subroutine put_verdict
-
-   !> "phi_1 = 0.4093 +/- 0.0083 by AIC up to order 3; residuals white".
-   pure function model_text(channel) result(text)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ""
-      associate (ar => channel%ar, test => channel%ar%residual_ljung_box)
-         do i = 1, ar%order
-            text = text//if_known(i > 1, ", ")//"phi_"//count_text(int(i, int64))//" = "// &
-               rounded(ar%coefficient(i), ar%std_error(i))
-         end do
-         text = text//if_known(ar%order > 0, " ")//"by "//full_name(ar%criterion)// &
-            " up to order "//count_text(int(ar%table(ubound(ar%table, 1))%order, int64))// &
-            if_known(test%lags > 0, "; residuals "//trim(whiteness_word(test)))
-      end associate
-   end function model_text
-
-   !> Outliers and trend in a line: "12 outliers (0.1 %) beyond 4.493 sigma (auto); cubic trend".
-   pure function cleaning_text(clean) result(text)
-      type(clean_type), intent(in) :: clean
-      character(:), allocatable :: text
-      character(13), parameter :: names(0:3) = [character(13) :: "constant", "straight line", &
-                                                "parabola", "cubic"]
-
-      text = "no outliers looked for"
-      if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("// &
-         percent(clean%fraction)//") beyond "//number(clean%threshold, 4)//" sigma ("// &
-         trim(clean%method)//")"
-      associate (degree => clean%trend%degree)
-         if (degree > 3) then
-            text = text//"; polynomial of degree "//count_text(int(degree, int64))//" trend"
-         else if (degree >= 0) then
-            text = text//"; "//trim(names(degree))//" trend"
-         end if
-      end associate
-   end function cleaning_text
-
-   !> Before and after: the series and the filters of one channel.
-   subroutine put_series(writer, record, channel)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel
-      character(11), parameter :: shown(7) = [character(11) :: "raw", "cleaned", "KF (paper)", &
-                                              "AKF (paper)", "drift KF", "drift AKF", "smoother"]
-      integer, parameter :: stages(4) = [stage%input, stage%cleaned, stage%kf, stage%akf]
-      type(table_type) :: full, table
-      character(:), allocatable :: coefficient
-      integer :: i, j
-
-      call make_filter_table(record, channel, full)
-      call new_table(table, full%head, 6, head=full%head)
-      do i = 1, size(full%cell, 1)
-         if (i > full%head .and. .not. any(shown == full%cell(i, 1)%text)) cycle
-         coefficient = if_known(i == 1, "N")
-         do j = 1, size(stages)
-            if (i <= full%head .or. shown(j) /= full%cell(i, 1)%text) cycle
-            associate (term => channel%allan(stages(j))%stated%term(2))
-               if (.not. term%detected) cycle
-               coefficient = number(term%value, 3)
-               if (full%head > 1) call set_cell(table, 2, 4, term%unit)
-            end associate
-         end do
-         associate (cell => full%cell(i, :))
-            call add_row(table, cell(1)%text, cell(3)%text//";"//cell(4)%text//";"//coefficient// &
-                         ";"//cell(6)%text//";"//if_known(i > 1, cell(9)%text, "innovations"))
-         end associate
-      end do
-      call put_below(writer, table, "")
-   end subroutine put_series
-
-   !> RMSE of every filter against the true drift; nothing where that is not known.
-   subroutine put_rmse(writer, record, channel)
-      type(writer_type), intent(inout) :: writer
-      type(record_type), intent(in) :: record
-      type(channel_result_type), intent(in) :: channel
-      character(11), parameter :: name(5) = [character(11) :: "KF (paper)", "AKF (paper)", &
-                                             "drift KF", "drift AKF", "smoother"]
-      type(filter_figures_type) :: figures(5)
-      type(table_type) :: table
-      integer :: i
-
-      figures = [channel%kf_figures, channel%akf_figures, channel%drift_kf_figures, &
-                 channel%drift_akf_figures, channel%drift_smoother_figures]
-      if (all(figures%rmse_samples == 0)) return
-      call put_heading(writer, "Against the true drift")
-      call new_table(table, 1, 2)
-      call add_row(table, "", "RMSE")
-      do i = 1, size(figures)
-         if (figures(i)%rmse_samples > 0) then
-           call add_row(table, trim(name(i)), number(figures(i)%rmse, 4))
-         end if
-      end do
-      call put_table(writer, table)
-      call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
-                    count_text(maxval(figures%rmse_samples))//" samples")
-   end subroutine put_rmse
-
-   !> The filters of several channels.
-   subroutine make_filters(channel, table)
-      type(channel_result_type), intent(in) :: channel(:)
-      type(table_type), intent(out) :: table
-      integer :: c
-
-      call new_table(table, 2, 9, head=2)
-      call add_row(table, "", "outliers;AR;KF;;AKF;;drift KF;smoother")
-      call add_row(table, "", ";order;share;passes;share;passes;share;share")
-      table%note = "share: variance of the output over that of the input. passes: share of a "// &
-         "constant rotation"
-      do c = 1, size(channel)
-         associate (one => channel(c), is => channel(c)%available)
-            call add_row(table, one%name, &
-                         if_known(is%preprocess, count_text(one%clean%removed))//";"// &
-                         if_known(is%ar, count_text(int(one%ar%order, int64)))//";"// &
-                         if_known(is%kf, percent(one%kf_figures%variance_ratio)//";"// &
-                                  percent(one%kf%dc_gain), ";")//";"// &
-                         if_known(is%akf, percent(one%akf_figures%variance_ratio)//";"// &
-                                  percent(one%akf%dc_gain), ";")//";"// &
-                         share(is%drift_kf, one%drift_kf_figures)//";"// &
-                         share(is%drift_smoother, one%drift_smoother_figures))
-         end associate
-      end do
-   end subroutine make_filters
-
-   !> The share of the variance that a filter gives out.
-   pure function share(known, figures) result(text)
-      logical, intent(in) :: known
-      type(filter_figures_type), intent(in) :: figures
-      character(:), allocatable :: text
-
-      text = if_known(known, percent(figures%variance_ratio), "-")
-   end function share
-
-   !> The AR models of several channels.
-   subroutine make_models(channel, table)
-      type(channel_result_type), intent(in) :: channel(:)
-      type(table_type), intent(out) :: table
-      character(:), allocatable :: cells
-      integer :: c, i
-
-      call new_table(table, 1, 9)
-      call add_row(table, "", "order;phi_1;phi_2;phi_3;variance;predicts;|rho|;residuals")
-      table%note = "order: by "//full_name(channel(1)%ar%criterion)//". variance: of the "// &
-         "residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
-         "autocorrelation of the residuals"
-      do c = 1, size(channel)
-         cells = ""
-         associate (ar => channel(c)%ar, test => channel(c)%ar%residual_ljung_box)
-            if (channel(c)%available%ar) then
-               cells = count_text(int(ar%order, int64))//";"
-               do i = 1, 3
-                  if (i <= ar%order) cells = cells//number(ar%coefficient(i), 4)
-                  cells = cells//";"
-               end do
-               cells = cells//scientific(ar%noise_variance, 4)//";"// &
-                  number(channel(c)%predictable_percent, 3)//" %;"// &
-                  number(test%largest_rho, 2)//";"// &
-                  if_known(test%lags > 0, trim(whiteness_word(test)))
+         associate (clean => channel%clean)
+            text = "no outliers looked for"
+            if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("// &
+               percent(clean%fraction)//") beyond "//number(clean%threshold, 4)//" sigma ("// &
+               trim(clean%method)//")"
+            if (clean%trend%degree > 3) then
+               text = text//"; polynomial of degree "// &
+                  count_text(int(clean%trend%degree, int64))//" trend"
+            else if (clean%trend%degree >= 0) then
+               text = text//"; "//trim(names(clean%trend%degree))//" trend"
             end if
+            if (channel%available%preprocess) call put_item(writer, "Cleaned", text)
          end associate
-         call add_row(table, channel(c)%name, cells)
-      end do
-   end subroutine make_models
-
-   !> The tests of several channels.
-   subroutine make_tests(channel, table)
-      type(channel_result_type), intent(in) :: channel(:)
-      type(table_type), intent(out) :: table
-      integer :: c
-
-      call new_table(table, 2, 8, head=2)
-      call add_row(table, "", "unit root;level;normal;excess;white;largest;noise")
-      call add_row(table, "", "ADF;KPSS;Jarque-Bera;kurtosis;Ljung-Box;|rho|")
-      table%note = "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is "// &
-         "rejected where they are small"
-      do c = 1, size(channel)
-         associate (one => channel(c), is => channel(c)%available)
-            call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value))//";"// &
-                         if_known(is%kpss, kpss_p_text(one))//";"// &
-                         if_known(is%jarque_bera, bare(one%jarque_bera%p_value)//";"// &
-                                  number(one%jarque_bera%kurtosis - 3, 2), ";")//";"// &
-                         if_known(is%ljung_box, bare(one%ljung_box%p_value)//";"// &
-                                  number(one%ljung_box%largest_rho, 2), ";")//";"// &
-                         if_known(one%verdict%wanted, trim(verdict_text(one))))
+         if (channel%available%ar) call put_model()
+         associate (is => channel%available)
+            if (is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf) call put_series()
          end associate
-      end do
-   end subroutine make_tests
+         call put_rmse()
+      end select
+
+   contains
+
+      !> "phi_1 = 0.4093 +/- 0.0083 by AIC up to order 3; residuals white".
+      subroutine put_model()
+         character(:), allocatable :: text
+
+         text = ""
+         associate (ar => channel%ar, test => channel%ar%residual_ljung_box)
+            do i = 1, ar%order
+               text = text//if_known(i > 1, ", ")//"phi_"//count_text(int(i, int64))//" = "// &
+                  rounded(ar%coefficient(i), ar%std_error(i))
+            end do
+            text = text//if_known(ar%order > 0, " ")//"by "//full_name(ar%criterion)// &
+               " up to order "//count_text(int(ar%table(ubound(ar%table, 1))%order, int64))// &
+               if_known(test%lags > 0, "; residuals "//trim(whiteness_word(test)))
+            call put_item(writer, "AR("//count_text(int(ar%order, int64))//")", text)
+         end associate
+      end subroutine put_model
+
+      !> Before and after: the series and the filters.
+      subroutine put_series()
+         character(11), parameter :: shown(7) = [character(11) :: "raw", "cleaned", "KF (paper)", &
+                                                 "AKF (paper)", "drift KF", "drift AKF", "smoother"]
+         integer, parameter :: stages(4) = [stage%input, stage%cleaned, stage%kf, stage%akf]
+         type(table_type) :: full
+         integer :: j
+
+         call make_filter_table(record, channel, full)
+         call new_table(table, 6, head=full%head)
+         do i = 1, size(full%cell, 1)
+            if (i > full%head .and. .not. any(shown == full%cell(i, 1)%text)) cycle
+            associate (cell => full%cell(i, :))
+               call add_row(table, cell(1)%text, cell(3)%text, cell(4)%text, &
+                            if_known(i == 1, "N"), &
+                            cell(6)%text, if_known(i > 1, cell(9)%text, "innovations"))
+            end associate
+            do j = 1, size(stages)
+               if (i <= full%head .or. shown(j) /= full%cell(i, 1)%text) cycle
+               associate (term => channel%allan(stages(j))%stated%term(2))
+                  if (.not. term%detected) cycle
+                  table%cell(size(table%cell, 1), 4)%text = number(term%value, 3)
+                  if (full%head > 1) table%cell(2, 4)%text = term%unit
+               end associate
+            end do
+         end do
+         call put_below(writer, table, "")
+      end subroutine put_series
+
+      !> RMSE of every filter against the true drift; nothing where that is not known.
+      subroutine put_rmse()
+         character(11), parameter :: name(5) = [character(11) :: "KF (paper)", "AKF (paper)", &
+                                                "drift KF", "drift AKF", "smoother"]
+         type(filter_figures_type) :: figures(5)
+
+         figures = [channel%kf_figures, channel%akf_figures, channel%drift_kf_figures, &
+                    channel%drift_akf_figures, channel%drift_smoother_figures]
+         if (all(figures%rmse_samples == 0)) return
+         call put_heading(writer, "Against the true drift")
+         call new_table(table, 2)
+         call add_row(table, "", "RMSE")
+         do i = 1, size(figures)
+            if (figures(i)%rmse_samples == 0) cycle
+            call add_row(table, trim(name(i)), number(figures(i)%rmse, 4))
+         end do
+         call put_table(writer, table)
+         call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
+                       count_text(maxval(figures%rmse_samples))//" samples")
+      end subroutine put_rmse
+
+   end subroutine put_one
 
 end module gyroakf_report_text_overview

@@ -2,29 +2,31 @@
 !> The reports of a terminal, at most 80 columns wide: the first screen, and all details. They print
 !> numbers of the result and compute nothing.
 module gyroakf_report_text_report
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_io_writer, only : put_line, writer_type
    use gyroakf_release, only : release_string
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, &
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_options, &
       pipeline_result_type, stage
    use gyroakf_report_document_filters, only : put_drift, put_filters
    use gyroakf_report_document_allan, only : put_halves, put_noise
    use gyroakf_report_document_tests, only : put_ar, put_tests, put_verdict
    use gyroakf_report_document_distribution, only : put_preprocess
-   use gyroakf_report_input, only : put_input, put_source, report_inspect, unit_name
+   use gyroakf_report_input, only : put_input, report_inspect, time_unit, unit_name
    use gyroakf_report_remarks, only : put_remarks
-   use gyroakf_report_tables, only : make_ar_table, make_filter_table
+   use gyroakf_report_tables, only : make_ar_table, make_comparison, make_filter_table
    use gyroakf_report_text_answer, only : put_answer
    use gyroakf_report_text_chart, only : put_chart
    use gyroakf_report_text_description, only : text_description_type
-   use gyroakf_report_text_layout, only : if_known, number, put_heading, put_item, &
+   use gyroakf_report_text_layout, only : count_text, if_known, number, put_heading, put_item, &
       put_paragraph, put_title
-   use gyroakf_report_text_noise, only : make_comparison, put_curves_of
    use gyroakf_report_text_overview, only : put_overview
-   use gyroakf_report_text_table, only : put_numbered, table_type
+   use gyroakf_report_text_table, only : add_cell, add_row, new_table, put_numbered, put_table, &
+      table_type
    implicit none (type, external)
    private
-   public :: write_report, report_inspect, put_sections, report_subject
+   public :: write_report, report_inspect, put_sections, put_curves_of, report_subject
 
    !> Notes on the first screen
    integer, parameter :: most_notes = 3
@@ -60,7 +62,7 @@ contains
       if (all) call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)// &
                               if_known(options%preset /= "default", " (preset "// &
                                        trim(options%preset)//")"))
-      if (.not. all) call put_source(writer, record)
+      if (.not. all) call put_input(writer, record, brief=.true.)
       if (answer) call put_answer(writer, record, result)
       if (command /= "allan" .and. .not. all) call put_overview(writer, command, record, result)
       if (drawn) call put_chart(writer, record, result)
@@ -134,6 +136,52 @@ contains
       call put_noise(out, "cleaned", "Noise coefficients: "//title, channel%allan(stage%cleaned))
       call put_curves_of(writer, record, channel%allan(stage%cleaned), title)
    end subroutine put_sections
+
+   !> The deviation curves with their confidence limits, and the fitted model beside the first.
+   subroutine put_curves_of(writer, record, allan, title)
+      !> The report
+      type(writer_type), intent(inout) :: writer
+      !> For the units
+      type(record_type), intent(in) :: record
+      !> Curve, and the fit where there is one
+      type(allan_result_type), intent(in) :: allan
+      !> Which series
+      character(*), intent(in) :: title
+      integer :: i
+
+      if (.not. allan%available) return
+      call put_curve(allan%curve, allan%fitted)
+      if (.not. allocated(allan%other)) return
+      do i = 1, size(allan%other)
+         if (allocated(allan%other(i)%tau)) call put_curve(allan%other(i), .false.)
+      end do
+
+   contains
+
+      subroutine put_curve(curve, fitted)
+         type(allan_curve_type), intent(in) :: curve
+         !> The model is shown
+         logical, intent(in) :: fitted
+         type(table_type) :: table
+         integer :: i
+
+         call put_heading(writer, title//": "//trim(curve%kind)//" in "//unit_name(record)// &
+                          if_known(curve%kind == "tdev", " times tau")//", tau in "// &
+                          time_unit(record)//", "//number(100*curve%confidence, 4)//" % limits")
+         call new_table(table, merge(7, 6, fitted), left=0)
+         call add_row(table, "tau", "deviation", "lower", "upper", "edf", "terms")
+         if (fitted) call add_cell(table, "model")
+         do i = 1, size(curve%tau)
+            call add_row(table, number(curve%tau(i), 6), number(curve%deviation(i), 6), &
+                         number(curve%lower(i), 4), number(curve%upper(i), 4), &
+                         number(curve%edf(i), 4), count_text(curve%terms(i)))
+            if (fitted) call add_cell(table, if_known(allan%noise%model(i) > 0.0_dp, &
+                                                      number(allan%noise%model(i), 4), "-"))
+         end do
+         call put_table(writer, table)
+      end subroutine put_curve
+
+   end subroutine put_curves_of
 
    !> What the report of a command is about.
    pure function report_subject(command) result(text)

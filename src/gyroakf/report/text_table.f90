@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A table: one description, from which the report of a terminal ([[put_table]]), LaTeX and HTML
-!> are made.
+!> A table: one description, from which the report of a terminal and a page are made.
 module gyroakf_report_text_table
    use gyroakf_record, only : text_type
    use gyroakf_io_writer, only : writer_type, put_line
@@ -8,11 +7,11 @@ module gyroakf_report_text_table
    use gyroakf_report_text_layout, only : pad_left, pad_right, put_heading, put_paragraph, &
       report_width
    use gyroakf_report_sign, only : to_unicode
-   use gyroakf_utf8, only : is_continuation, text_width
+   use gyroakf_utf8, only : text_width
    implicit none (type, external)
    private
-   public :: table_type, new_table, add_row, set_cell, put_table, put_numbered, cell_lines, &
-      cell_line, column_widths
+   public :: table_type, new_table, add_row, add_cell, put_table, put_numbered, cell_line, &
+      column_widths
 
    !> Rows and columns of text with what a paper prints about them. Read freely, filled by the
    !> subroutines below.
@@ -25,16 +24,13 @@ module gyroakf_report_text_table
       integer :: head = 1
       !> Columns that are text, to the left; the others are numbers, to the right
       integer :: left = 1
-      !> A word that no other table of a channel has; "" where the table stands in the report of a
-      !> terminal alone
-      character(:), allocatable :: name
       !> "I", "II", "III" as in the paper, or ""
       character(:), allocatable :: number
       !> What the table shows, without a full stop
       character(:), allocatable :: caption
       !> What its columns mean, in whole sentences, or ""
       character(:), allocatable :: note
-      !> The row that was added last
+      !> Cells of the last row that are filled
       integer :: filled = 0
    end type table_type
 
@@ -44,100 +40,76 @@ module gyroakf_report_text_table
 contains
 
    !> An empty table.
-   pure subroutine new_table(table, rows, columns, head, left)
+   pure subroutine new_table(table, columns, head, left)
       !> The table
       type(table_type), intent(out) :: table
-      !> The head included; [[add_row]] adds further ones
-      integer, intent(in) :: rows
       !> All columns
       integer, intent(in) :: columns
       !> Rows of the head (default 1), columns that are text (default 1)
       integer, intent(in), optional :: head, left
-      integer :: i, j
 
-      allocate (table%cell(rows, columns))
-      do j = 1, columns
-         do i = 1, rows
-            table%cell(i, j)%text = ""
-         end do
-      end do
+      allocate (table%cell(0, columns))
       if (present(head)) table%head = head
       if (present(left)) table%left = left
-      table%name = ""
       table%number = ""
       table%caption = ""
       table%note = ""
    end subroutine new_table
 
-   !> Fills one cell.
-   pure subroutine set_cell(table, row, column, text)
+   !> Adds a row; the cells that are not given are empty.
+   pure subroutine add_row(table, cell_1, cell_2, cell_3, cell_4, cell_5, cell_6, cell_7, cell_8, &
+                           cell_9)
       !> The table
       type(table_type), intent(inout) :: table
-      !> From 1
-      integer, intent(in) :: row, column
-      !> UTF-8
-      character(*), intent(in) :: text
+      !> From the first column on; UTF-8
+      character(*), intent(in), optional :: cell_1, cell_2, cell_3, cell_4, cell_5, cell_6, &
+                                            cell_7, cell_8, cell_9
+      type(text_type), allocatable :: longer(:, :)
+      integer :: n, j
 
-      table%cell(row, column)%text = text
-   end subroutine set_cell
-
-   !> Fills the next row, which makes the table longer where it has no place.
-   pure subroutine add_row(table, name, cells)
-      !> The table
-      type(table_type), intent(inout) :: table
-      !> The first cell
-      character(*), intent(in) :: name
-      !> The others with a semicolon between two of them; those that it does not have are empty
-      character(*), intent(in) :: cells
-      type(table_type) :: longer
-      integer :: first, length, j, n
-
-      n = table%filled
-      if (n == size(table%cell, 1)) then
-         call new_table(longer, n + 1, size(table%cell, 2))
-         longer%cell(:n, :) = table%cell
-         call move_alloc(longer%cell, table%cell)
-      end if
-      table%filled = n + 1
-      table%cell(n + 1, 1)%text = name
-      first = 1
-      do j = 2, size(table%cell, 2)
-         length = index(cells(first:)//";", ";") - 1
-         table%cell(n + 1, j)%text = cells(first:first + length - 1)
-         first = first + length + 1
+      n = size(table%cell, 1)
+      allocate (longer(n + 1, size(table%cell, 2)))
+      longer(:n, :) = table%cell
+      do j = 1, size(longer, 2)
+         longer(n + 1, j)%text = ""
       end do
+      call move_alloc(longer, table%cell)
+      table%filled = 0
+      call add_cell(table, cell_1)
+      call add_cell(table, cell_2)
+      call add_cell(table, cell_3)
+      call add_cell(table, cell_4)
+      call add_cell(table, cell_5)
+      call add_cell(table, cell_6)
+      call add_cell(table, cell_7)
+      call add_cell(table, cell_8)
+      call add_cell(table, cell_9)
    end subroutine add_row
 
-   !> Lines of a cell.
-   pure integer function cell_lines(text)
-      !> Of the cell
-      character(*), intent(in) :: text
-      integer :: i
+   !> Fills the next cell of the last row.
+   pure subroutine add_cell(table, text)
+      !> The table
+      type(table_type), intent(inout) :: table
+      !> UTF-8; absent: nothing is done
+      character(*), intent(in), optional :: text
 
-      cell_lines = 1
-      do i = 1, len(text)
-         if (text(i:i) == new_line("a")) cell_lines = cell_lines + 1
-      end do
-   end function cell_lines
+      if (.not. present(text)) return
+      table%filled = table%filled + 1
+      table%cell(size(table%cell, 1), table%filled)%text = text
+   end subroutine add_cell
 
-   !> One line of a cell, "" behind the last one.
+   !> One of the two lines of a cell, "" where it has one alone.
    pure function cell_line(text, number) result(line)
       !> Of the cell
       character(*), intent(in) :: text
-      !> From 1
+      !> 1 or 2
       integer, intent(in) :: number
       character(:), allocatable :: line
-      integer :: first, i
+      integer :: feed
 
-      line = ""
-      first = 1
-      do i = 2, number
-         if (index(text(first:), new_line("a")) == 0) return
-         first = first + index(text(first:), new_line("a"))
-      end do
-      line = text(first:)
-      i = index(line, new_line("a"))
-      if (i > 0) line = line(:i - 1)
+      feed = index(text//new_line("a"), new_line("a"))
+      line = text(:feed - 1)
+      if (number == 2) line = text(min(feed + 1, len(text) + 1):)
    end function cell_line
 
    !> Writes the table: columns as wide as they need to be, two blanks between them, or one where it
@@ -168,7 +140,18 @@ contains
       end if
       call column_widths(shown, width)
       if (total(1, size(width), 1) > report_width) then
-         call shorten(shown)
+         do j = 1, shown%left
+            do i = 1, size(shown%cell, 1)
+               associate (text => shown%cell(i, j)%text)
+                  if (text_width(text) <= widest_text) cycle
+                  last = len(text)
+                  do while (text_width(text(:last)) > widest_text - 3)
+                     last = last - 1
+                  end do
+               end associate
+               shown%cell(i, j)%text = shown%cell(i, j)%text(:last)//"..."
+            end do
+         end do
          call column_widths(shown, width)
       end if
       gap = 2
@@ -226,32 +209,12 @@ contains
       width = 0
       do j = 1, size(width)
          do i = 1, size(table%cell, 1)
-            do line = 1, cell_lines(table%cell(i, j)%text)
+            do line = 1, 2
                width(j) = max(width(j), text_width(cell_line(table%cell(i, j)%text, line)))
             end do
          end do
       end do
    end subroutine column_widths
-
-   !> The columns of text without what is too long.
-   pure subroutine shorten(table)
-      type(table_type), intent(inout) :: table
-      integer :: i, j, last, characters
-
-      do j = 1, table%left
-         do i = 1, size(table%cell, 1)
-            associate (text => table%cell(i, j)%text)
-               if (text_width(text) <= widest_text .or. cell_lines(text) > 1) cycle
-               characters = 0
-               do last = 1, len(text)
-                  if (.not. is_continuation(text(last:last))) characters = characters + 1
-                  if (characters > widest_text - 3) exit
-               end do
-            end associate
-            table%cell(i, j)%text = table%cell(i, j)%text(:last - 1)//"..."
-         end do
-      end do
-   end subroutine shorten
 
    !> The columns of text, and some of the others.
    subroutine put_columns(writer, table, width, gap, first, last)
@@ -259,14 +222,12 @@ contains
       type(table_type), intent(in) :: table
       integer, intent(in) :: width(:), gap, first, last
       character(:), allocatable :: line, text
-      integer :: i, j, k, lines
+      integer :: i, j, k
 
       do i = 1, size(table%cell, 1)
-         lines = 1
-         do j = 1, size(width)
-            lines = max(lines, cell_lines(table%cell(i, j)%text))
-         end do
-         do k = 1, lines
+         do k = 1, 2
+            if (k == 2 .and. .not. any([(index(table%cell(i, j)%text, new_line("a")) > 0, &
+                                         j=1, size(width))])) exit
             line = ""
             do j = 1, last
                if (j > table%left .and. j < first) cycle

@@ -61,13 +61,9 @@ contains
       type(ljung_box_type), intent(in) :: test
       character(8) :: text
 
-      if (.not. test%p_value < 0.05_dp) then
-         text = "white"
-      else if (test%largest_rho < negligible_rho) then
-         text = "nearly"
-      else
-         text = "colored"
-      end if
+      text = "colored"
+      if (test%largest_rho < negligible_rho) text = "nearly"
+      if (.not. test%p_value < level) text = "white"
    end function whiteness_word
 
    !> The same in words.
@@ -76,12 +72,10 @@ contains
       type(ljung_box_type), intent(in) :: test
       character(remark_length) :: text
 
-      select case (whiteness_word(test))
-      case ("white"); text = "white"
-      case ("nearly")
-         text = "nearly white, a small correlation is seen because the record is long"
-      case default; text = "not white"
-      end select
+      text = "not white"
+      if (whiteness_word(test) == "white") text = "white"
+      if (whiteness_word(test) == "nearly") text = "nearly white, a small correlation is seen "// &
+         "because the record is long"
    end function whiteness_text
 
    !> What the tests of normality say together.
@@ -108,7 +102,7 @@ contains
       text = ""
       if (.not. channel%available%ljung_box) return
       if (whiteness_word(channel%ljung_box) == "colored") then
-        text = "the samples are correlated: the p-value is too small"
+         text = "the samples are correlated: the p-value is too small"
       end if
    end function correlation_caution
 
@@ -146,7 +140,7 @@ contains
          if (drift%block > 1) write (text(len_trim(text) + 1:), "(a, i0, a)") &
             ", the slowest processes from means of ", drift%block, " samples over the whole record"
          if (.not. drift%errors_known .and. drift%model%count > 0) then
-           text = trim(text)//"; standard errors are not known"
+            text = trim(text)//"; standard errors are not known"
          end if
       end associate
    end function drift_source_text
