@@ -67,7 +67,12 @@ def load() -> Tuple[Any, Dict[int, str]]:
     header = re.sub(
         r"/\*.*?\*/", " ", (FOLDER / "gyroakf.h").read_text(encoding="utf-8"), flags=re.S
     )
+    # Waiting threads sleep instead of spinning; OpenMP reads the variable when it is loaded
+    given = os.environ.get("OMP_WAIT_POLICY")
+    os.environ["OMP_WAIT_POLICY"] = given or "passive"
     library = ctypes.CDLL(str(FOLDER / "libgyroakf.so"))
+    if given is None:
+        del os.environ["OMP_WAIT_POLICY"]
     for body, name in re.findall(r"typedef struct \w+ \{(.*?)\}\s*(\w+);", header, re.S):
         TYPES[name] = type(name, (ctypes.Structure,), {"_fields_": list(parameters(body))})
     for returned, name, arguments in re.findall(
