@@ -58,7 +58,7 @@ ok "the first screen" bash -c "$empty/bin/python -c 'import gyroakf; print(gyroa
 ok "no library of the compiler or of LAPACK on this machine is used" bash -c "! $empty/bin/python -c '
 import gyroakf
 print(open(\"/proc/self/maps\").read())' | grep -E '/usr/lib.*(gfortran|gomp|quadmath|lapack|blas)'"
-venv "$empty" pytest hypothesis allantools pandas matplotlib
+venv "$empty" pytest hypothesis allantools pandas matplotlib rosbags pyulog pymavlink scipy h5py pyarrow
 tests "$empty" >build/wheel/tests
 sed '$d' build/wheel/tests
 read -r p f < <(sed -nE '$s/^([0-9]+) passed, ([0-9]+) failed$/\1 \2/p' build/wheel/tests)

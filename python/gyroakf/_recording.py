@@ -12,6 +12,7 @@ import numpy as np
 
 from . import _library as lib
 from ._errors import InvalidArgumentError
+from ._formats import as_csv, reader_of
 from ._results import Result
 
 Column = Union[int, str]
@@ -115,7 +116,10 @@ def recording(handle: lib.Handle) -> Recording:
 def read(
     path: Union[str, os.PathLike[str]], *, progress: Optional[lib.Progress] = None, **options: Any
 ) -> Recording:
-    """Read a recording: text, CSV, ``.npy``, raw numbers, each also as ``.gz``.
+    """Read a recording: text, CSV, ``.npy``, raw numbers, each also as ``.gz``, and more.
+
+    ROS bags and MCAP, PX4 ULog, ArduPilot DataFlash, MAT-files and Parquet are read by Python's
+    libraries of these formats (``pip install "gyroakf[all]"``).
 
     What the file says about rate, unit and columns is used; an option overrides it.
 
@@ -151,6 +155,10 @@ def read(
         Resampling by the time stamps.
     wrap : float or str
         Where angles wrap, in units of the file; "auto" or "none".
+    topic : str
+        Topic of a bag or an ULog, message of a DataFlash log, variable of a MAT-file.
+    instance : int
+        Instance of the sensor in a flight log, from 0.
     decimal_comma : bool
         Whether every comma in the file is a decimal comma.
 
@@ -171,6 +179,7 @@ def read(
     >>> log.names, log.units, round(log.rate, 6), log["gx"].tolist()
     (('gx',), ('deg/s',), 10.0, [0.5, nan, 0.25])
     """
+    topic, instance = options.pop("topic", None), options.pop("instance", 0)
     bad_lines = options.pop("bad_lines", "error")
     if bad_lines not in ("error", "missing"):
         raise InvalidArgumentError('`bad_lines` must be "error" or "missing"')
@@ -187,6 +196,10 @@ def read(
         opt = lib.options(
             "reader_options", **given, bad_lines_missing=bad_lines == "missing", progress=callback
         )
+        reader = reader_of(path)
+        if reader:
+            text = as_csv(path, reader, topic, instance)
+            return recording(lib.new("record", "record_parse", text, len(text), ctypes.byref(opt)))
         return recording(lib.new("record", "record_read", file, ctypes.byref(opt)))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from . import _errors
 from . import _library as lib
+from ._formats import as_csv, reader_of
 from ._recording import Recording
 from ._results import Result
 
@@ -110,9 +111,14 @@ def run(data: Any, **options: Any) -> Report:
         options = {"rate": repr(data.rate), "unit": data.units, "column": None, **options}
     if isinstance(data, (str, os.PathLike)):
         path = os.fsdecode(data)
+        reader = reader_of(path)
+        if reader:
+            stdin, path = tempfile.TemporaryFile(), "-"
+            chosen = (options.pop("topic", None), options.pop("instance", 0))
+            stdin.write(as_csv(data, reader, *chosen))
+            stdin.seek(0)
     else:
-        path = "-"
-        stdin = tempfile.TemporaryFile()
+        stdin, path = tempfile.TemporaryFile(), "-"
         columns = np.stack(data.values, axis=1) if isinstance(data, Recording) else np.asarray(data)
         if columns.ndim not in (1, 2) or columns.dtype.kind not in "buif":
             raise TypeError("`data` must hold real numbers, with a column for each channel")
