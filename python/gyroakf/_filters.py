@@ -43,6 +43,9 @@ class FilterState(Result):
     steps: int
 
 
+FILTER_STEP = lib.LIBRARY.gyroakf_filter_step
+
+
 class Filter:
     """A Kalman filter of z_k = x_k + v_k, x_k = sum phi_i x_{k-i} + w_k, fixed or adaptive.
 
@@ -95,6 +98,8 @@ class Filter:
         self._handle = handle
         self._pointer = handle.pointer
         self._lock = threading.Lock()
+        self._x = ctypes.c_double()
+        self._place = ctypes.byref(self._x)
         return self
 
     @contextlib.contextmanager
@@ -108,16 +113,18 @@ class Filter:
 
     def step(self, z: float) -> float:
         """The estimate after the measurement z; NaN: no measurement, the prediction."""
-        x = ctypes.c_double()
         if not self._lock.acquire(blocking=False):
             raise RuntimeError("the filter is in use by another thread")
         try:
-            status = lib.LIBRARY.gyroakf_filter_step(self._pointer, float(z), ctypes.byref(x))
+            status = FILTER_STEP(self._pointer, z, self._place)
+            estimate = self._x.value
+        except ctypes.ArgumentError:
+            raise TypeError(f"`z` must be a number, not {z!r}") from None
         finally:
             self._lock.release()
         if status:
             raise lib.exception(status, "the estimate overflows; reset the filter")
-        return x.value
+        return estimate
 
     def run(
         self, z: Any, *, out: Optional[np.ndarray] = None, progress: Optional[lib.Progress] = None

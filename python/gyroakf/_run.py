@@ -83,7 +83,7 @@ def run(data: Any, **options: Any) -> Report:
     Parameters
     ----------
     data : path, Recording or array_like
-        A file; or samples, of several channels in columns.
+        A file; or samples, of several channels in columns, which the report numbers.
     **options
         Those of the program (``gyroakf run --help``), with ``_`` for ``-``: ``rate=100,
         unit="deg/s", drift_tau=10``; ``True``
@@ -108,7 +108,8 @@ def run(data: Any, **options: Any) -> Report:
 
     stdin = None
     if isinstance(data, Recording):
-        options = {"rate": repr(data.rate), "unit": data.units, "column": None, **options}
+        known = {"rate": repr(data.rate)} if data.rate_source != "none" else {}
+        options = {"unit": data.units if all(data.units) else None, **known, **options}
     if isinstance(data, (str, os.PathLike)):
         path = os.fsdecode(data)
         reader = reader_of(path)

@@ -168,13 +168,16 @@ def test_run_is_the_program(example):
     assert "<pre>" in report._repr_html_()
 
 
-def test_run_of_arrays_and_options(log, noise):
+def test_run_of_arrays_and_options(log, noise, tmp_path):
     report = gyroakf.run(
         np.stack([noise, noise[::-1]], 1), rate=100, unit="deg/s", max_order=5, ascii=True
     )
     assert [c["name"] for c in report.channels] == ["column1", "column2"]
     assert report.document["input"]["rate_hz"] == 100 and str(report).isascii()
     assert gyroakf.run(log).document["input"]["unit"] == "deg/s"
+    (tmp_path / "unknown.csv").write_text("gx\n" + "\n".join(map(str, noise)))
+    unknown = gyroakf.run(gyroakf.read(tmp_path / "unknown.csv")).document["input"]
+    assert unknown["rate_source"] == "none" and not unknown["unit"]
     with pytest.raises(gyroakf.UsageError, match="--no-such-option"):
         gyroakf.run(log, no_such_option=1)
     with pytest.raises(gyroakf.ParseError, match="does-not-exist"):
