@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# The wheel of the Python package: builds it, puts what it needs besides the C library into it (auditwheel), and tests it in an
-# environment of its own.
+# The wheel of the Python package: builds it, puts what it needs besides the C library into it
+# (auditwheel), and tests it in an environment of its own.
 #
 #   GYROAKF_CMAKE=1 ci/wheel.sh          build/dist/gyroakf-VERSION-py3-none-manylinux_*_x86_64.whl
 #
@@ -20,7 +20,8 @@ mkdir -p build/dist build/wheel
 
 # a build that a tree in another place has left here is of no use
 grep -qxsF "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" build/python/CMakeCache.txt || rm -rf build/python
-"$tool/bin/python" -m build --wheel --no-isolation -C cmake.define.BLA_STATIC=ON --outdir build/wheel . >build/wheel.log 2>&1 ||
+"$tool/bin/python" -m build --wheel --no-isolation -C cmake.define.BLA_STATIC=ON \
+  --outdir build/wheel . >build/wheel.log 2>&1 ||
   { tail -n 40 build/wheel.log; exit 1; }
 
 PATH=$PWD/$tool/bin:$PATH auditwheel repair --wheel-dir build/wheel/repaired build/wheel/*.whl >>build/wheel.log 2>&1 ||
@@ -29,8 +30,8 @@ PATH=$PWD/$tool/bin:$PATH auditwheel repair --wheel-dir build/wheel/repaired bui
 content=$(echo build/wheel/gyroakf-*/)
 licenses=$(echo "$content"*.dist-info/licenses)
 mkdir -p "$licenses"
-# licenses: LAPACK and BLAS are linked statically; auditwheel adds the run-time libraries of GCC (GPL 3 with the runtime library
-# exception, libquadmath LGPL 2.1)
+# licenses: LAPACK and BLAS are linked statically; auditwheel adds the run-time libraries of GCC
+# (GPL 3 with the runtime library exception, libquadmath LGPL 2.1)
 for package in liblapack3 libgfortran5; do
   cp "/usr/share/doc/$package/copyright" "$licenses/$package.txt" || exit 1
 done
@@ -43,7 +44,13 @@ failed=0
 ok() { # NAME COMMAND...
   local name=$1
   shift
-  if "$@" >>build/wheel.log 2>&1; then passed=$((passed + 1)); echo "ok: $name"; else failed=$((failed + 1)); echo "FAILED: $name"; fi
+  if "$@" >>build/wheel.log 2>&1; then
+    passed=$((passed + 1))
+    echo "ok: $name"
+  else
+    failed=$((failed + 1))
+    echo "FAILED: $name"
+  fi
 }
 ls -l "$wheel"
 ok "one wheel for all versions of Python" test "${wheel#*-py3-none-manylinux_}" != "$wheel"
@@ -58,7 +65,8 @@ ok "the first screen" bash -c "$empty/bin/python -c 'import gyroakf; print(gyroa
 ok "no library of the compiler or of LAPACK on this machine is used" bash -c "! $empty/bin/python -c '
 import gyroakf
 print(open(\"/proc/self/maps\").read())' | grep -E '/usr/lib.*(gfortran|gomp|quadmath|lapack|blas)'"
-venv "$empty" pytest hypothesis allantools pandas matplotlib rosbags pyulog pymavlink scipy h5py pyarrow
+venv "$empty" pytest hypothesis allantools pandas matplotlib \
+  rosbags pyulog pymavlink scipy h5py pyarrow distributed
 tests "$empty" >build/wheel/tests
 sed '$d' build/wheel/tests
 read -r p f < <(sed -nE '$s/^([0-9]+) passed, ([0-9]+) failed$/\1 \2/p' build/wheel/tests)
