@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: MIT
+"""The whole job of the program."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, cast
+
+import numpy as np
+
+from . import _errors
+from . import _library as lib
+from ._formats import as_csv, reader_of
+from ._recording import Recording
+from ._results import Result
+
+
+@dataclass(frozen=True, eq=False)
+class Report(Result):
+    """What the program's ``run`` finds out. ``print(report)`` shows its first screen.
+
+    Attributes
+    ----------
+    document : dict
+        The JSON document (``doc/schema.json``):
+        ``report.document["channels"][0]["coefficients"]["input"]["N"]``.
+    text : str
+        The first screen.
+    """
+
+    document: Dict[str, Any]
+    text: str = field(repr=False)
+
+    def __str__(self) -> str:
+        return self.text
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self.text)}</pre>"
+
+    @property
+    def channels(self) -> List[Dict[str, Any]]:
+        """The results of each channel in the document."""
+        return cast(List[Dict[str, Any]], self.document["channels"])
+
+    def to_dict(self) -> Dict[str, Any]:
+        """The document."""
+        return self.document
+
+    def _columns(self) -> Dict[str, Any]:
+        rows = []
+        for channel in self.channels:
+            for stage, terms in (channel["coefficients"] or {}).items():
+                for term in "QNBKR" if stage != "reduction_percent" and terms else "":
+                    rows.append(
+                        {
+                            "channel": channel["name"],
+                            "stage": stage,
+                            "term": term,
+                            **(terms[term] or {}),
+                        }
+                    )
+        keys = max(rows, key=len, default={})
+        return {key: [row.get(key) for row in rows] for key in keys}
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the Allan deviation of each channel; returns the axes."""
+        ax = self._axes(ax, "averaging time / s", "Allan deviation")
+        for channel in self.channels:
+            curve = channel["allan"]["input"]
+            ax.loglog(curve["tau_s"], curve["deviation"], "o-", label=channel["name"])
+        ax.legend()
+        return ax
+
+
+def run(data: Any, **options: Any) -> Report:
+    """Do the whole job of the program: tests, models, filters and Allan deviation of every channel.
+
+    It is the program ``gyroakf run`` that does it.
+
+    Parameters
+    ----------
+    data : path, Recording or array_like
+        A file; or samples, of several channels in columns, which the report numbers.
+    **options
+        Those of the program (``gyroakf run --help``), with ``_`` for ``-``: ``rate=100,
+        unit="deg/s", drift_tau=10``; ``True``
+        for one without a value, a list for one with several.
+
+    Raises
+    ------
+    UsageError
+        The program refuses an option.
+    ParseError
+        The data cannot be read.
+
+    Examples
+    --------
+    >>> import gyroakf
+    >>> report = gyroakf.run(gyroakf.simulate(preset="paper"))
+    >>> report.channels[0]["ar"]["order"]
+    1
+    """
+    import subprocess
+    import tempfile  # both take some milliseconds
+
+    stdin = None
+    if isinstance(data, Recording):
+        known = {"rate": repr(data.rate)} if data.rate_source != "none" else {}
+        options = {"unit": data.units if all(data.units) else None, **known, **options}
+    if isinstance(data, (str, os.PathLike)):
+        path = os.fsdecode(data)
+        reader = reader_of(path)
+        if reader:
+            stdin, path = tempfile.TemporaryFile(), "-"
+            chosen = (options.pop("topic", None), options.pop("instance", 0))
+            stdin.write(as_csv(data, reader, *chosen))
+            stdin.seek(0)
+    else:
+        stdin, path = tempfile.TemporaryFile(), "-"
+        columns = np.stack(data.values, axis=1) if isinstance(data, Recording) else np.asarray(data)
+        if columns.ndim not in (1, 2) or columns.dtype.kind not in "buif":
+            raise TypeError("`data` must hold real numbers, with a column for each channel")
+        np.save(stdin, columns)
+        stdin.seek(0)
+    arguments = []
+    for name, value in options.items():
+        if value is None or value is False:
+            continue
+        arguments.append("--" + name.rstrip("_").replace("_", "-"))
+        if value is not True:
+            arguments.append(
+                ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+            )
+    with tempfile.TemporaryDirectory() as folder:
+        document = os.path.join(folder, "run.json")
+        command = [lib.program(), "run", path, "--json", document, *arguments]
+        done = subprocess.run(
+            command,
+            stdin=stdin or subprocess.DEVNULL,
+            capture_output=True,
+            env={**os.environ, "LC_ALL": "C.UTF-8"},
+            encoding="utf-8",
+            errors="replace",
+        )
+        if done.returncode or not os.path.exists(document):
+            raise _failure(done.returncode, done.stderr)
+        with open(document, encoding="utf-8") as file:
+            return Report(json.load(file), done.stdout)
+
+
+def _failure(code: int, said: str) -> Exception:
+    kinds = {1: _errors.UsageError, 2: _errors.ParseError, 3: _errors.NotConvergedError}
+    return kinds.get(code, _errors.InternalError)(said.strip() or f"the program ended with {code}")
