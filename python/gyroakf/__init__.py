@@ -16,9 +16,9 @@ from ._errors import (
 )
 # fmt: on
 from ._drift import DriftModel, Smoothed, identify_drift
-from ._filters import Filter, FilterState
+from ._filters import Filter, FilterState, identify_filter
 from ._library import LIBRARY as _LIBRARY, program
-from ._outliers import Outliers, mark_outliers
+from ._outliers import Outliers, clean, mark_outliers
 from ._recording import Recording, read, simulate
 from ._run import Report, run
 from ._series import ADFTest, ARModel, KPSSTest, adf, ar, kpss
@@ -32,6 +32,6 @@ __all__ = [
     "InvalidArgumentError", "KPSSTest", "NoMemoryError", "NoiseFit", "NonFiniteError",
     "NotConvergedError", "NotSupportedError", "Outliers", "ParseError", "Recording", "Report",
     "SingularError", "Smoothed", "TooFewSamplesError", "UnstableError", "UsageError", "adf",
-    "allan", "ar", "identify_drift", "kpss", "mark_outliers", "noise_fit", "program", "read",
-    "run", "simulate",
+    "allan", "ar", "clean", "identify_drift", "identify_filter", "kpss", "mark_outliers",
+    "noise_fit", "program", "read", "run", "simulate",
 ]

@@ -123,7 +123,7 @@ class AllanCurve(Result):
     deviation, lower, upper : numpy.ndarray
         Deviation and its confidence limits (u; tdev: u s).
     edf : numpy.ndarray
-        Equivalent degrees of freedom of the noise type identified at each averaging time.
+        Equivalent degrees of freedom.
     """
 
     kind: str
@@ -156,6 +156,7 @@ def allan(
     taus: Union[str, Sequence[float], None] = None,
     confidence: Optional[float] = None,
     min_coverage: Optional[float] = None,
+    fit: bool = False,
     progress: Optional[lib.Progress] = None,
 ) -> AllanCurve:
     """Compute the Allan deviation, or a relative of it, of a series of rates.
@@ -176,6 +177,10 @@ def allan(
         Probability between the confidence limits; 0.683.
     min_coverage : float, optional
         Share of a window that must be present where samples are missing; 0.9.
+    fit : bool, optional
+        True: limits and degrees of freedom are those of the noise that is fitted to the curve, as
+        the program states them (kind "oadev"); otherwise of the noise type identified at each
+        averaging time.
     progress : callable, optional
         Called as ``progress(stage, done, total)``; an exception that it raises cancels the call.
 
@@ -205,6 +210,9 @@ def allan(
             progress=callback,
         )
         handle = lib.new("allan", "allan_new", lib.address(x), x.size, dt, ctypes.byref(opt))
+    if fit:
+        noise = lib.TYPES["gyroakf_noise"]()
+        lib.call("allan_fit", handle.pointer, None, ctypes.byref(noise))
     n = lib.LIBRARY.gyroakf_allan_size(handle.pointer)
     arrays = {
         name: handle.array(getattr(lib.LIBRARY, f"gyroakf_allan_{name}")(handle.pointer), n)

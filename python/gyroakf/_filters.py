@@ -12,6 +12,7 @@ from typing import Any, Iterator, Optional, Sequence, Tuple
 import numpy as np
 
 from . import _library as lib
+from ._recording import Column, sampled
 from ._results import Result
 
 
@@ -186,6 +187,53 @@ class Filter:
             saved = ctypes.create_string_buffer(size.value)
             lib.call("filter_save", self._pointer, saved, size, ctypes.byref(size))
         return _restore, (saved.raw,)
+
+
+def identify_filter(
+    data: Any,
+    kind: str = "drift_akf",
+    rate: Optional[float] = None,
+    *,
+    column: Optional[Column] = None,
+    preset: Optional[str] = None,
+    progress: Optional[lib.Progress] = None,
+) -> Tuple[Filter, float]:
+    """The filter that the program makes for a series, and the mean that is to be subtracted from
+    what it takes.
+
+    Parameters
+    ----------
+    data, rate, column, progress
+        As of `allan`.
+    kind : {"kf", "akf", "drift_kf", "drift_akf"}
+        The paper's Kalman and adaptive Kalman filter of the AR model of the cleaned series, or
+        those of the drift.
+    preset : {"default", "paper"}, optional
+        As the program's ``--preset``.
+
+    Examples
+    --------
+    >>> import gyroakf
+    >>> log = gyroakf.simulate(20000, rate=50, n=0.01, k=0.004, offset=3)
+    >>> kalman, mean = gyroakf.identify_filter(log, "drift_kf")
+    >>> drift = kalman.run(log.values[0] - mean) + mean
+    """
+    x, dt, _ = sampled(data, rate, column)
+    mean = ctypes.c_double()
+    pointer = ctypes.c_void_p()
+    with lib.watch(progress) as callback:
+        opt = lib.options("run_options", preset=preset, progress=callback)
+        lib.call(
+            "filter_identify",
+            kind.encode(),
+            lib.address(x),
+            x.size,
+            dt,
+            ctypes.byref(opt),
+            ctypes.byref(pointer),
+            ctypes.byref(mean),
+        )
+    return Filter.__new__(Filter)._own(lib.Handle("filter", pointer)), mean.value
 
 
 def _restore(saved: bytes) -> Filter:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Outliers of a series."""
+"""Outliers and trend of a series."""
 
 from __future__ import annotations
 
@@ -45,6 +45,41 @@ class Outliers(Result):
     corrected_variance: float
     rounds: int
     converged: bool
+
+
+def clean(
+    data: Any,
+    *,
+    column: Optional[Column] = None,
+    progress: Optional[lib.Progress] = None,
+    **options: Any,
+) -> np.ndarray:
+    """The series without its outliers, which become NaN, and without its trend.
+
+    Parameters
+    ----------
+    data, column, progress
+        As of `allan`.
+    **options
+        Those of `mark_outliers`: ``method="none"`` removes the trend alone, ``degree=-1`` the
+        outliers alone.
+
+    Examples
+    --------
+    >>> import gyroakf
+    >>> log = gyroakf.simulate(5000, n=0.005, offset=3, outliers=10, outlier_size=20)
+    >>> cleaned = gyroakf.clean(log)
+    >>> int(np.isnan(cleaned).sum()), abs(np.nanmean(cleaned)) < 1e-6
+    (10, True)
+    """
+    x = sampled(data, None, column)[0]
+    cleaned = np.empty_like(x)
+    with lib.watch(progress) as callback:
+        opt = lib.options("outlier_options", progress=callback, **options)
+        lib.call(
+            "clean", lib.address(x), x.size, ctypes.byref(opt), lib.address(cleaned), None
+        )
+    return cleaned
 
 
 def mark_outliers(

@@ -197,3 +197,21 @@ def test_statements_of_the_c_library_agree_with_the_program(example):
     assert gyroakf.allan(example).deviation == pytest.approx(
         document["allan"]["input"]["deviation"], rel=1e-12
     )
+
+
+def test_limits_and_filters_are_those_of_the_program(example, tmp_path):
+    out = tmp_path / "results.json"
+    subprocess.run([gyroakf.program(), "run", example, "--json", out, "--quiet"], check=True)
+    channel = json.loads(out.read_text())["channels"][0]
+    log = gyroakf.read(example)
+    curve = gyroakf.allan(log, fit=True)
+    for name in ("deviation", "lower", "upper", "edf"):
+        assert getattr(curve, name).tolist() == channel["allan"]["input"][name]
+    cleaned = gyroakf.clean(log)
+    for kind in ("kf", "akf"):
+        kalman, mean = gyroakf.identify_filter(log, kind)
+        kalman.run(cleaned - mean)
+        assert kalman.state.q == channel["filters"][kind]["q"]
+        assert kalman.state.r == channel["filters"][kind]["r"]
+    with pytest.raises(gyroakf.InvalidArgumentError):
+        gyroakf.identify_filter(log, "kalman")
