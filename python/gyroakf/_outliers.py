@@ -69,7 +69,7 @@ def clean(
     >>> import gyroakf
     >>> log = gyroakf.simulate(5000, n=0.005, offset=3, outliers=10, outlier_size=20)
     >>> cleaned = gyroakf.clean(log)
-    >>> int(np.isnan(cleaned).sum()), abs(np.nanmean(cleaned)) < 1e-6
+    >>> int(np.isnan(cleaned).sum()), bool(abs(np.nanmean(cleaned)) < 1e-6)
     (10, True)
     """
     x = sampled(data, None, column)[0]

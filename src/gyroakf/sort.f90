@@ -10,7 +10,7 @@ module gyroakf_sort
    use gyroakf_chunks, only : threads_from
    implicit none (type, external)
    private
-   public :: sort_values
+   public :: sort_values, sorted, median_of
 
    !> Numbers that are sorted by insertion
    integer(int64), parameter :: run_length = 32
@@ -132,5 +132,26 @@ contains
       if (i <= m) both(k:) = a(i:)
       if (j <= n) both(k:) = b(j:)
    end subroutine merge_runs
+
+   !> The middle value of a short list.
+   real(dp) function median_of(x)
+      !> At least one
+      real(dp), intent(in) :: x(:)
+      real(dp) :: y(size(x))
+
+      y = sorted(x)
+      median_of = 0.5_dp*(y((size(x) + 1)/2) + y(size(x)/2 + 1))
+   end function median_of
+
+   !> A short list in ascending order.
+   function sorted(x) result(y)
+      !> Any values
+      real(dp), intent(in) :: x(:)
+      real(dp) :: y(size(x))
+      type(error_type), allocatable :: failed
+
+      y(:) = x
+      call sort_values(y, failed)
+   end function sorted
 
 end module gyroakf_sort

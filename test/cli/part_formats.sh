@@ -119,14 +119,14 @@ PK\003\004\024\000 pandas.read_excel('other').to_csv('x.csv', index=False)
 1.5\0122.5\0123.5\012\000\000\000\000 text with 4 NUL bytes
 MATLAB\0405.0\040MAT-file numpy.save('x.npy', s.loadmat('other')['NAME'])
 \211HDF\015\012\032\012 an HDF5 file
-PAR1\025\004 pandas.read_parquet('other').to_csv('x.csv', index=False)
+PAR1\025\004 python3 -m gyroakf run other (the Python package of gyroakf, with its extra parquet)
 ARROW1\000\000 pandas.read_feather('other').to_csv('x.csv', index=False)
-#ROSBAG\040V2.0\012 h.AnyReader([p.Path('other')],
-SQLite\040format\0403\000 h.AnyReader([p.Path('other')],
-\211MCAP0\015\012 h.AnyReader([p.Path('other')],
+#ROSBAG\040V2.0\012 python3 -m gyroakf run other (the Python package of gyroakf, with its extra ros)
+SQLite\040format\0403\000 python3 -m gyroakf run other
+\211MCAP0\015\012 python3 -m gyroakf run other
 \265b\001\007\134\000 a log of a u-blox receiver
-ULog\001\0225\001 ulog2csv -m sensor_gyro,sensor_combined other
-\243\225\200\200Y mavlogdump.py --format csv --types IMU other > imu.csv
+ULog\001\0225\001 python3 -m gyroakf run other (the Python package of gyroakf, with its extra ulog)
+\243\225\200\200Y python3 -m gyroakf run other (the Python package of gyroakf, with its extra dataflash)
 \000\001\002\003\004\005 --format f64, f32, i16
 CASES
 

@@ -12,7 +12,7 @@ module gyroakf_io_cadence
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
-   public :: cadence_type, steps_type, new_steps, find_cadence, find_step, count_bursts, sorted, median_of
+   public :: cadence_type, steps_type, new_steps, find_cadence, find_step, count_bursts
 
    !> How samples come
    type :: cadence_type
@@ -262,27 +262,6 @@ contains
       end do
       if (smallest_difference >= huge(1.0_dp)) smallest_difference = 0.0_dp
    end function smallest_difference
-
-   !> The middle value of a short list.
-   real(dp) function median_of(x)
-      !> At least one
-      real(dp), intent(in) :: x(:)
-      real(dp) :: y(size(x))
-
-      y = sorted(x)
-      median_of = 0.5_dp*(y((size(x) + 1)/2) + y(size(x)/2 + 1))
-   end function median_of
-
-   !> A short list in ascending order.
-   function sorted(x) result(y)
-      !> Any values
-      real(dp), intent(in) :: x(:)
-      real(dp) :: y(size(x))
-      type(error_type), allocatable :: failed
-
-      y(:) = x
-      call sort_values(y, failed)
-   end function sorted
 
    !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between them, behind a long step; more
    !> of them than a tick of the clock holds.

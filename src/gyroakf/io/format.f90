@@ -41,18 +41,11 @@ module gyroakf_io_format
    character(*), parameter :: utf_16 = "turn it into UTF-8: iconv -f UTF-16 -t UTF-8 FILE | gyroakf run -"
    character(*), parameter :: utf_32 = "turn it into UTF-8: iconv -f UTF-32 -t UTF-8 FILE | gyroakf run -"
 
-   !> What converts tables of Parquet, Arrow and Excel, around the name of the reading function
+   !> What converts tables of Arrow and Excel, around the name of the reading function
    character(*), parameter :: with_pandas = "python3 -c ""import pandas; pandas.read_"
    character(*), parameter :: to_csv = "('FILE').to_csv('x.csv', index=False)"""
-   !> What converts recordings of ROS 1 and ROS 2: angular rates of the first topic of type Imu
-   character(*), parameter :: with_rosbags = "python3 -c ""import pathlib as p; "// &
-      "from rosbags import highlevel as h, typesys as t; "// &
-      "r = h.AnyReader([p.Path('FILE')], "// &
-      "default_typestore=t.get_typestore(t.Stores.LATEST)); r.open(); "// &
-      "print('sec,nanosec,gx [rad/s],gy [rad/s],gz [rad/s]'); "// &
-      "[print(m.header.stamp.sec, m.header.stamp.nanosec, w.x, w.y, w.z, sep=',') "// &
-      "for c, _, d in r.messages([c for c in r.connections if c.msgtype.endswith('/Imu')][:1]) "// &
-      "for m in [r.deserialize(d, c.msgtype)] for w in [m.angular_velocity]]"" > imu.csv"
+   !> What reads recordings of ROS, PX4 and ArduPilot, before the name of the extra of the Python package
+   character(*), parameter :: with_python = "python3 -m gyroakf run FILE (the Python package of gyroakf, with its extra "
 
    !> May also follow a user block of 512, 1024, 2048, ... bytes, as in MATLAB 7.3
    character(*), parameter :: hdf5_magic = char(137)//"HDF"//char(13)//char(10)//char(26)//char(10)
@@ -77,16 +70,14 @@ module gyroakf_io_format
       magic_type("MATLAB 5.0 MAT-file", 19, "a MATLAB file of level 5", &
                  "python3 -c ""import numpy, scipy.io as s; numpy.save('x.npy', s.loadmat('FILE')['NAME'])""; "// &
                  "variable names: python3 -c ""import scipy.io as s; print(s.whosmat('FILE'))"""), &
-      magic_type("PAR1", 4, "a Parquet file", with_pandas//"parquet"//to_csv), &
+      magic_type("PAR1", 4, "a Parquet file", with_python//"parquet)"), &
       magic_type("ARROW1", 6, "an Arrow file", with_pandas//"feather"//to_csv), &
       magic_type("FEA1", 4, "a Feather file", with_pandas//"feather"//to_csv), &
-      magic_type("#ROSBAG V", 9, "a ROS bag (ROS 1)", with_rosbags), &
-      magic_type(char(137)//"MCAP0", 6, "an MCAP file (ROS 2)", with_rosbags), &
-      magic_type("SQLite format 3", 15, "an SQLite database (.db3 of ROS 2)", with_rosbags), &
-      magic_type("ULog"//char(1)//char(18)//"5", 7, "a ULog file (PX4)", &
-                 "ulog2csv -m sensor_gyro,sensor_combined FILE (package pyulog)"), &
-      magic_type(char(163)//char(149)//char(128), 3, "a DataFlash log (ArduPilot)", &
-                 "mavlogdump.py --format csv --types IMU FILE > imu.csv (package pymavlink)"), &
+      magic_type("#ROSBAG V", 9, "a ROS bag (ROS 1)", with_python//"ros)"), &
+      magic_type(char(137)//"MCAP0", 6, "an MCAP file (ROS 2)", with_python//"ros)"), &
+      magic_type("SQLite format 3", 15, "an SQLite database (.db3 of ROS 2)", with_python//"ros)"), &
+      magic_type("ULog"//char(1)//char(18)//"5", 7, "a ULog file (PX4)", with_python//"ulog)"), &
+      magic_type(char(163)//char(149)//char(128), 3, "a DataFlash log (ArduPilot)", with_python//"dataflash)"), &
       magic_type(char(181)//"b", 2, "a log of a u-blox receiver", to_text), &
       magic_type("MDF     ", 8, "an MDF file", to_text), &
       magic_type("TDSm", 4, "a TDMS file (LabVIEW)", to_text), &

@@ -3,7 +3,8 @@
 !> jittery, coarse or come in bursts.
 module gyroakf_io_lag_levels
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, median_of, sorted
+   use gyroakf_io_cadence, only : cadence_type
+   use gyroakf_sort, only : median_of, sorted
    implicit none (type, external)
    private
    public :: find_levels

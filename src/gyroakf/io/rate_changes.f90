@@ -2,7 +2,8 @@
 !> Where the sample rate changes for good: by more than 0.5 %, and by more than the rates of the parts of a record scatter.
 module gyroakf_io_rate_changes
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, find_step, median_of, steps_type
+   use gyroakf_io_cadence, only : cadence_type, find_step, steps_type
+   use gyroakf_sort, only : median_of
    implicit none (type, external)
    private
    public :: find_changes

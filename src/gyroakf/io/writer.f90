@@ -16,7 +16,7 @@ module gyroakf_io_writer
    private
    public :: writer_type, markup_type, open_writer, put, put_line, put_real, put_reals
    public :: complete_writer, commit_writer, discard_writer, format_real
-   public :: make_directory, is_file, is_same_file, remove_file, after_dots
+   public :: make_directory, is_file, remove_file
 
    !> Of a report that is written as a page: what stands open in it (see [[gyroakf_report_html_markup]])
    type :: markup_type
@@ -59,15 +59,6 @@ module gyroakf_io_writer
          !> Ends with a NUL
          character(kind=c_char), intent(in) :: path(*)
       end subroutine remove_leftovers
-
-      !> Whether two paths lead to one file; the first may be "-"
-      function same_file(a, b) result(same) bind(C, name="gyroakf_host_same_file")
-         import :: c_char, c_int
-         implicit none (type, external)
-         !> Both end with a NUL
-         character(kind=c_char), intent(in) :: a(*), b(*)
-         integer(c_int) :: same
-      end function same_file
    end interface
 
    !> Characters written at once
@@ -257,30 +248,6 @@ contains
       inquire (file=path, exist=is_file)
       if (is_file) is_file = .not. (is_directory(path) .or. is_special(path))
    end function is_file
-
-   !> Whether two paths name the same file, which need not be there, or lead to the same.
-   logical function is_same_file(a, b)
-      !> Any path, "-" for what is on standard input, "" for none
-      character(*), intent(in) :: a
-      !> Any path
-      character(*), intent(in) :: b
-
-      is_same_file = .false.
-      if (a == "" .or. b == "") return
-      is_same_file = a(after_dots(a):) == b(after_dots(b):)
-      if (.not. is_same_file .and. b /= "-") is_same_file = same_file(a//c_null_char, b//c_null_char) /= 0
-   end function is_same_file
-
-   !> Where a path begins behind "./" in front.
-   pure integer function after_dots(path) result(first)
-      !> Any path
-      character(*), intent(in) :: path
-
-      first = 1
-      do while (index(path(first:), "./") == 1)
-         first = first + 2
-      end do
-   end function after_dots
 
    !> Removes a file; content where there is none.
    subroutine remove_file(path)

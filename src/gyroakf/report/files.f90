@@ -15,8 +15,10 @@ module gyroakf_report_files
    use gyroakf_report_svg, only : svg_mark, write_svg
    use gyroakf_report_csv, only : series_output_type, write_series
    use gyroakf_report_csv_tables, only : write_table
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
    implicit none (type, external)
    private
+   public :: after_dots, is_same_file
    public :: write_results, remove_others, result_files, foreign_result, foreign_file, is_marked, series_output_type
 
    !> In the order in which they are written; one of the first three
@@ -32,6 +34,17 @@ module gyroakf_report_files
       "channel,series,kind,tau", "channel,series,term", "channel,frequency", "channel,lag", "channel,lower,upper", &
       "channel,frequency", document_mark, document_mark, 'content="gyroakf ']
    character(10), parameter :: unmarked(3) = ["series.npy", "series.f64", "report.txt"]
+
+   interface
+      !> Whether two paths lead to one file; the first may be "-"
+      function same_file(a, b) result(same) bind(C, name="gyroakf_host_same_file")
+         import :: c_char, c_int
+         implicit none (type, external)
+         !> Both end with a NUL
+         character(kind=c_char), intent(in) :: a(*), b(*)
+         integer(c_int) :: same
+      end function same_file
+   end interface
 
 contains
 
@@ -180,5 +193,29 @@ contains
          if (allocated(error)) call discard_writer(writer(i))
       end do
    end subroutine write_results
+
+   !> Whether two paths name the same file, which need not be there, or lead to the same.
+   logical function is_same_file(a, b)
+      !> Any path, "-" for what is on standard input, "" for none
+      character(*), intent(in) :: a
+      !> Any path
+      character(*), intent(in) :: b
+
+      is_same_file = .false.
+      if (a == "" .or. b == "") return
+      is_same_file = a(after_dots(a):) == b(after_dots(b):)
+      if (.not. is_same_file .and. b /= "-") is_same_file = same_file(a//c_null_char, b//c_null_char) /= 0
+   end function is_same_file
+
+   !> Where a path begins behind "./" in front.
+   pure integer function after_dots(path) result(first)
+      !> Any path
+      character(*), intent(in) :: path
+
+      first = 1
+      do while (index(path(first:), "./") == 1)
+         first = first + 2
+      end do
+   end function after_dots
 
 end module gyroakf_report_files
