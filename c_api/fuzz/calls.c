@@ -39,7 +39,7 @@
   F(adf_options_init, 1) F(adf_test, 60) \
   F(kpss_options_init, 1) F(kpss_test, 80) \
   F(ar_options_init, 1) F(ar_fit, 60) \
-  F(filter_options_init, 1) F(filter_new, 120) F(filter_identify, 10) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
+  F(filter_options_init, 1) F(filter_new, 120) F(filter_identify, 1) F(filter_step, 200) F(filter_freeze, 40) F(filter_run, 100) \
   F(filter_run_watched, 60) F(filter_get, 60) \
   F(filter_free, 60) F(filter_reset, 30) F(filter_save, 60) F(filter_restore, 60) \
   F(drift_model_init, 1) F(drift_options_init, 1) F(drift_identify, 6) F(drift_filter_new, 60) \
