@@ -155,7 +155,7 @@ GYROAKF_API int gyroakf_record_parse(const void *bytes, int64_t n, const gyroakf
  *             1e60 in magnitude
  *   channels  1 .. 100000
  *   n         samples of each channel, >= 1
- *   dt        sample interval, s, > 0
+ *   dt        sample interval, s, 1e-100 .. 1e100
  *   names     [channels], UTF-8; NULL, or a NULL of them: "column1", "column2", ...
  *   unit      as of gyroakf_reader_options: "deg/s", or one for each channel, separated by commas; NULL: unknown
  *   out       the recording; free it with gyroakf_record_free
@@ -299,7 +299,7 @@ GYROAKF_API void gyroakf_allan_options_init(gyroakf_allan_options *opt);
  * Deviation curve of a rate record.
  *   rate  [n] rates (means over their intervals), unit u
  *   n     samples, >= 2
- *   dt    sample interval, s, > 0
+ *   dt    sample interval, s, 1e-100 .. 1e100
  *   out   the curve; free it with gyroakf_allan_free
  * Limits and degrees of freedom are those of the noise type that is identified at each averaging time, until gyroakf_allan_fit has
  * fitted the curve. Cost O(n) for each averaging time; memory 8 bytes a sample.
@@ -543,7 +543,7 @@ GYROAKF_API int gyroakf_filter_new(int32_t p, const double *phi, double q, doubl
  *   kind  "kf", "akf": the paper's Kalman and adaptive Kalman filter of the AR model of the cleaned series (gyroakf_clean with its
  *         defaults); "drift_kf", "drift_akf": those of the drift
  *   x     [n] series, u, n >= 10; NaN: missing
- *   dt    sample interval, s, > 0
+ *   dt    sample interval, s, 1e-100 .. 1e100
  *   opt   preset, progress and progress_user count; may be NULL
  *   out   the filter before its first step; goes to gyroakf_filter_free
  *   mean  what the filter takes is a sample less this mean

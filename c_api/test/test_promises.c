@@ -17,7 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { n = 2000, arrays = 3, room_of_options = 512 };
+enum { n = 2000, arrays = 3, most_of_options = 512 };
 
 /* What a call gets, and where its results go. */
 typedef struct call {
@@ -276,7 +276,7 @@ typedef struct results {
 } results;
 
 static results now_written, untouched, usual;
-static unsigned char options[room_of_options], options_before[room_of_options];
+static unsigned char options[most_of_options], options_before[most_of_options];
 static const double fair[3] = {0.3, 0.2, 0.1};
 
 static call usual_call(const row *r, results *to) {
@@ -358,63 +358,63 @@ static void test_addresses(const row *r) {
 
 /* A result that shares the first or the last sample with the series, or a value with another result, is refused; one behind it is not. */
 static void test_overlaps(const row *r) {
-  static double room[2 * n], before[2 * n];
+  static double buffer[2 * n], before[2 * n];
   call c;
   int k, other;
-  memset(room, 0x5a, sizeof room);
+  memset(buffer, 0x5a, sizeof buffer);
   for (k = 0; k < r->results; k++) {
-    memcpy(room + n / 2, series, sizeof series);
-    memcpy(before, room, sizeof room);
+    memcpy(buffer + n / 2, series, sizeof series);
+    memcpy(before, buffer, sizeof buffer);
     c = usual_call(r, &now_written);
-    c.x = room + n / 2;
-    c.array[k] = room + n / 2 - 1;
+    c.x = buffer + n / 2;
+    c.array[k] = buffer + n / 2 - 1;
     refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a result before the series and over it");
-    c.array[k] = room + n / 2 + n - 1;
+    c.array[k] = buffer + n / 2 + n - 1;
     refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a result over the end of the series");
-    check(memcmp(before, room, sizeof room) == 0, "the series is not changed");
+    check(memcmp(before, buffer, sizeof buffer) == 0, "the series is not changed");
     c.x = series;
-    c.array[k] = room;
+    c.array[k] = buffer;
     for (other = 0; other < k; other++) {
-      c.array[other] = room + 1;
+      c.array[other] = buffer + 1;
       refused(r, &c, GYROAKF_INVALID_ARGUMENT, "a result over another one");
       c.array[other] = now_written.array[other];
     }
-    check(memcmp(before, room, sizeof room) == 0, "the other result is not changed");
+    check(memcmp(before, buffer, sizeof buffer) == 0, "the other result is not changed");
     c.length = n / 2;
-    c.x = room + n / 2;
-    c.array[k] = room + n;
+    c.x = buffer + n / 2;
+    c.array[k] = buffer + n;
     check_success(r->call(&c), "a result right behind the series");
   }
 }
 
 /* The same of results that are no doubles. */
 static void test_overlapping_marks(void) {
-  static double room[n + 100], before[n + 100];
-  double *x = room + 100;
-  void *last = x + n - 1, *apart = room;
+  static double buffer[n + 100], before[n + 100];
+  double *x = buffer + 100;
+  void *last = x + n - 1, *apart = buffer;
   int8_t *const marks[3] = {(int8_t *)x - 1, (int8_t *)last + 7, (int8_t *)apart};
   int k;
   memcpy(x, series, sizeof series);
-  memcpy(before, room, sizeof room);
+  memcpy(before, buffer, sizeof buffer);
   for (k = 0; k < 2; k++) {
     check_failure(gyroakf_mark_outliers(x, n, NULL, marks[k], NULL, &err), GYROAKF_INVALID_ARGUMENT, "marks over the series");
   }
-  check(memcmp(before, room, sizeof room) == 0, "the series is not changed");
+  check(memcmp(before, buffer, sizeof buffer) == 0, "the series is not changed");
   check_success(gyroakf_mark_outliers(x, 800, NULL, marks[2], NULL, &err), "marks before the series");
   check(memcmp(x, series, sizeof series) == 0, "the series is not changed");
 }
 
 /* A filter may write over the series that it reads. */
 static void test_filter_in_place(void) {
-  static double x[n], place[n];
+  static double x[n], buffer[n];
   const double phi[2] = {0.8, 0.1};
   gyroakf_filter *f;
   check_success(gyroakf_filter_new(2, phi, 0.1, 1.0, NULL, &f, &err), "a filter");
   check_success(gyroakf_filter_run(f, series, n, x, &err), "apart");
   check_success(gyroakf_filter_reset(f, &err), "again");
-  memcpy(place, series, sizeof place);
-  check_success(gyroakf_filter_run(f, place, n, place, &err), "in place");
-  check(memcmp(x, place, sizeof x) == 0, "the same estimates");
+  memcpy(buffer, series, sizeof buffer);
+  check_success(gyroakf_filter_run(f, buffer, n, buffer, &err), "in place");
+  check(memcmp(x, buffer, sizeof x) == 0, "the same estimates");
   gyroakf_filter_free(f);
 }
 
@@ -611,19 +611,19 @@ static size_t address_space(void) {
 
 /* Makes the stack larger: one that cannot grow ends a program, whoever calls. */
 static void grow_stack(void) {
-  volatile char room[1 << 20];
+  volatile char buffer[1 << 20];
   size_t k;
-  for (k = 0; k < sizeof room; k += 1024) room[k] = 1;
+  for (k = 0; k < sizeof buffer; k += 1024) buffer[k] = 1;
 }
 
-/* The call with so many samples of a longer series; its results go to room. */
-static call long_call(const row *r, const double *longer, int64_t length, char *room) {
+/* The call with so many samples of a longer series; its results go to buffer. */
+static call long_call(const row *r, const double *longer, int64_t length, char *buffer) {
   call c = usual_call(r, &now_written);
   int i;
   if (r->takes_series && r->call != filter_new) c.x = longer;
   if (r->takes_series && r->takes_length) c.length = length;
-  for (i = 0; i < arrays; i++) c.array[i] = (double *)(void *)room + i * many;
-  c.figures = (unsigned char *)room + arrays * sizeof(double) * many;
+  for (i = 0; i < arrays; i++) c.array[i] = (double *)(void *)buffer + i * many;
+  c.figures = (unsigned char *)buffer + arrays * sizeof(double) * many;
   return c;
 }
 
@@ -638,7 +638,7 @@ static int call_within(const row *r, call c, size_t bytes) {
     struct rlimit limit;
     grow_stack();
     limit.rlim_cur = limit.rlim_max = address_space() + bytes;
-    mallopt(M_MMAP_THRESHOLD, 1 << 18); /* long arrays do not find room in what is free */
+    mallopt(M_MMAP_THRESHOLD, 1 << 18); /* long arrays are not taken from what is free */
     setrlimit(RLIMIT_AS, &limit);
     lost = 0;
     status = r->call(&c);
@@ -649,11 +649,11 @@ static int call_within(const row *r, call c, size_t bytes) {
 }
 
 /* The call with more and more memory, until that is enough. */
-static void within_limits(const row *r, const double *longer, char *room) {
+static void within_limits(const row *r, const double *longer, char *buffer) {
   size_t bytes = 1 << 20;
   int code = 0;
   while (code == 0 && bytes < ((size_t)1 << 31)) {
-    code = call_within(r, long_call(r, longer, many, room), bytes);
+    code = call_within(r, long_call(r, longer, many, buffer), bytes);
     bytes += bytes / 4;
   }
   snprintf(what, sizeof what, "%s: within %lld bytes", r->name, (long long)bytes);
@@ -663,19 +663,19 @@ static void within_limits(const row *r, const double *longer, char *room) {
 /* Memory that is too little for a long series: a status; the program goes on. The first of all tests: nothing is free in the heap yet. */
 void test_memory(void) {
   double *longer = (double *)malloc(many * sizeof *longer);
-  char *room = (char *)malloc(8 * sizeof(double) * many);
+  char *buffer = (char *)malloc(8 * sizeof(double) * many);
   int k, i;
   const int threads = omp_get_max_threads();
-  if (longer == NULL || room == NULL) abort();
+  if (longer == NULL || buffer == NULL) abort();
   make_series();
   omp_set_num_threads(1);
   for (i = 0; i < many; i++) longer[i] = series[i % n];
   for (k = 0; k < rows && address_space() > 0; k++) {
-    if (table[k].takes_length && table[k].takes_series) within_limits(&table[k], longer, room);
+    if (table[k].takes_length && table[k].takes_series) within_limits(&table[k], longer, buffer);
   }
   omp_set_num_threads(threads);
   free(longer);
-  free(room);
+  free(buffer);
 }
 
 /* ------------------------------------------------------------------------------------------------------- children and small stacks */
@@ -780,10 +780,10 @@ void test_children(void) {
   const int threads = omp_get_max_threads(), length = many / 5;
   const char *usually = parsed;
   double *longer = (double *)malloc(many * sizeof *longer);
-  char *room = (char *)malloc(8 * sizeof(double) * many);
+  char *buffer = (char *)malloc(8 * sizeof(double) * many);
   gyroakf_allan *a = NULL;
   int k, i;
-  if (longer == NULL || room == NULL) abort();
+  if (longer == NULL || buffer == NULL) abort();
   make_series();
   make_columns();
   for (i = 0; i < many; i++) longer[i] = series[i % n];
@@ -794,14 +794,14 @@ void test_children(void) {
   for (k = 0; k <= rows && address_space() > 0; k++) {
     const row *r = k < rows ? &table[k] : &more;
     snprintf(what, sizeof what, "%s: in a thread with a stack of 64 kB", r->name);
-    check(status_of_child(r, long_call(r, longer, length, room), 65536) == GYROAKF_OK, what);
+    check(status_of_child(r, long_call(r, longer, length, buffer), 65536) == GYROAKF_OK, what);
   }
   check_success(gyroakf_allan_new(longer, many, 0.01, NULL, &a, &err), "a parallel call of the parent");
   gyroakf_allan_free(a);
   for (k = 0; k <= rows; k++) {
     const row *r = k < rows ? &table[k] : &more;
     snprintf(what, sizeof what, "%s: in a forked child", r->name);
-    check(status_of_child(r, long_call(r, longer, length, room), 0) == GYROAKF_OK, what);
+    check(status_of_child(r, long_call(r, longer, length, buffer), 0) == GYROAKF_OK, what);
   }
   omp_set_num_threads(threads);
   recorded = filled;
@@ -809,7 +809,7 @@ void test_children(void) {
   parsed = usually;
   free(recording);
   free(longer);
-  free(room);
+  free(buffer);
 }
 
 /* ------------------------------------------------------------------------------------------------------- one request that fails */
@@ -875,10 +875,10 @@ void test_faults(void) {
                              {"60 columns", parse_columns, 1, 0, 0, NONE},
                              {"60 columns of a file", read_columns, 1, 0, 0, NONE}};
   double *longer = (double *)malloc(many * sizeof *longer);
-  char *room = (char *)malloc(8 * sizeof(double) * many);
+  char *buffer = (char *)malloc(8 * sizeof(double) * many);
   long number, step;
   int k, i, code, tried, went_on;
-  if (faults_begin == NULL || faults_requests == NULL || longer == NULL || room == NULL) abort();
+  if (faults_begin == NULL || faults_requests == NULL || longer == NULL || buffer == NULL) abort();
   make_series();
   make_columns();
   omp_set_num_threads(1);
@@ -888,7 +888,7 @@ void test_faults(void) {
     tried = went_on = 0;
     step = 1;
     for (number = 1; number < 100000; number += step) {
-      call c = long_call(r, longer, many / 5, room);
+      call c = long_call(r, longer, many / 5, buffer);
       code = call_without(r, c, number);
       if (code == 0) break;
       snprintf(what, sizeof what, "%s: large request %ld fails", r->name, number);
@@ -900,7 +900,7 @@ void test_faults(void) {
     printf("%-20s %5d requests failed one by one, %d of them of no account\n", r->name, tried, went_on);
   }
   free(longer);
-  free(room);
+  free(buffer);
   free(recording);
 }
 #else
@@ -959,7 +959,7 @@ static void test_counts(void) {
     check_failure(gyroakf_record_parse("1\n", wrong[k], NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "bytes below 0");
     check_failure(gyroakf_filter_restore(acf, wrong[k], &f, &err), GYROAKF_INVALID_ARGUMENT, "a filter of no bytes");
     check_success(gyroakf_filter_new(0, NULL, 1.0, 1.0, NULL, &f, &err), "a filter");
-    check_failure(gyroakf_filter_save(f, acf, wrong[k], &size, &err), GYROAKF_INVALID_ARGUMENT, "a place of no bytes");
+    check_failure(gyroakf_filter_save(f, acf, wrong[k], &size, &err), GYROAKF_INVALID_ARGUMENT, "a buffer of no bytes");
     gyroakf_filter_free(f);
   }
   check(size > 0, "how many bytes a filter takes");

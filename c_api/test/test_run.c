@@ -162,10 +162,13 @@ static void test_arrays(void) {
   values[1] = NULL;
   check_failure(gyroakf_record_new(values, 2, 1, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "an array NULL");
   check_failure(gyroakf_record_new(NULL, 2, 1, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "arrays NULL");
+  check(gyroakf_record_new(NULL, 2, 1, 1.0, NULL, NULL, &r, &err) && strstr(err.message, "channels"), "its message");
   check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "out NULL");
   check_failure(gyroakf_record_new(values, 0, 1, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no channel");
   check_failure(gyroakf_record_new(values, 1, 0, 1.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no sample");
   check_failure(gyroakf_record_new(values, 1, 1, 0.0, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "no interval");
+  check_failure(gyroakf_record_new(values, 1, 1, 1e-320, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "hardly an interval");
+  check(gyroakf_record_new(values, 1, 1, 1e-320, NULL, NULL, &r, &err) && strstr(err.message, "(dt)"), "its message");
   check_failure(gyroakf_record_new(values, 1, 1, NAN, NULL, NULL, &r, &err), GYROAKF_INVALID_ARGUMENT, "interval NaN");
   check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, "furlong", &r, &err), GYROAKF_INVALID_ARGUMENT, "unit of nothing");
   check_failure(gyroakf_record_new(values, 1, 1, 1.0, NULL, "deg/s,rad/s", &r, &err), GYROAKF_INVALID_ARGUMENT, "too many units");
@@ -238,7 +241,7 @@ static void test_one_truth(double missing) {
   gyroakf_filter *f = (gyroakf_filter *)&sim;
   const char *json;
   const double *x;
-  double cleaned[100], mean, before;
+  double cleaned[100], whole[6000], mean, before;
   int k;
   gyroakf_simulate_options_init(&sim);
   sim.samples = 6000;
@@ -262,11 +265,12 @@ static void test_one_truth(double missing) {
   check(gyroakf_allan_upper(a)[0] == number_of(json, limit) && gyroakf_allan_edf(a)[0] != before, "limits of the noise");
   gyroakf_allan_free(a);
   for (k = 0; k < 4; k++) test_designed(json, x, 6000, 0.02, kinds[k]);
-  memcpy(cleaned, x, sizeof cleaned);
   check_success(gyroakf_mark_outliers(x, 100, NULL, (int8_t *)cleaned, &figures, &err), "marks");
   before = figures.variance;
   check_success(gyroakf_clean(x, 100, NULL, cleaned, &figures, &err), "a part of the series");
-  check(figures.variance == before && fabs(figures.variance / number_of(json, variance) - 1) < 1, "the same figures");
+  check(figures.variance == before, "the same figures");
+  check_success(gyroakf_clean(x, 6000, NULL, whole, &figures, &err), "the series");
+  check(fabs(figures.variance / number_of(json, variance) - 1) < 1e-12, "the variance of the whole job");
   check_failure(gyroakf_filter_identify("kalman", x, 6000, 0.02, NULL, &f, &mean, &err), GYROAKF_INVALID_ARGUMENT, "no such kind");
   check(f == NULL, "*out is NULL after a failure");
   check_failure(gyroakf_filter_identify(NULL, x, 6000, 0.02, NULL, &f, &mean, &err), GYROAKF_INVALID_ARGUMENT, "kind NULL");

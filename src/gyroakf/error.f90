@@ -8,9 +8,11 @@
 !> The numbers of the codes are part of the C interface (`enum gyroakf_status`): never renumbered,
 !> new ones at the end.
 module gyroakf_error
+   use, intrinsic :: iso_fortran_env, only : real64
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
    private
-   public :: error_type, fatal_error, status, status_texts, status_text, exit_code
+   public :: error_type, fatal_error, check_sample_interval, status, status_texts, status_text, exit_code
 
    !> What went wrong
    type :: error_type
@@ -92,6 +94,20 @@ contains
       error%code = code
       error%message = message
    end subroutine fatal_error
+
+   !> A sample interval must be a number whose cube is one too: 1e-100 .. 1e100 s.
+   pure subroutine check_sample_interval(dt, error)
+      !> Seconds; NaN is refused
+      real(real64), intent(in) :: dt
+      !> invalid_argument
+      type(error_type), allocatable, intent(out) :: error
+      logical :: good
+
+      good = ieee_is_finite(dt)
+      if (good) good = dt >= 1e-100_real64 .and. dt <= 1e100_real64
+      if (.not. good) call fatal_error(error, status%invalid_argument, &
+         & "the sample interval (dt) must be a number of seconds above 0, 1e-100 .. 1e100")
+   end subroutine check_sample_interval
 
    !> A component of [[gyroakf_error:status]].
    pure logical function is_status(code)

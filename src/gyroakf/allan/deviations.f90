@@ -29,7 +29,7 @@
 module gyroakf_allan_deviations
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
@@ -324,10 +324,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call check_statistic(options%kind, error)
+      if (.not. allocated(error)) call check_sample_interval(sample_interval, error)
       if (allocated(error)) return
-      if (.not. positive(sample_interval)) then
-         call fatal_error(error, status%invalid_argument, "the sample interval must be positive and finite")
-      else if (.not. (positive(options%confidence) .and. positive(1 - options%confidence))) then
+      if (.not. (positive(options%confidence) .and. positive(1 - options%confidence))) then
          call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
       else if (.not. positive(options%min_coverage) .or. positive(options%min_coverage - 1)) then
          call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")

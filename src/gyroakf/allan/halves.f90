@@ -25,7 +25,7 @@
 module gyroakf_allan_halves
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_special, only : chi_square_survival, digamma, normal_quantile, trigamma
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
@@ -152,9 +152,9 @@ contains
       !> invalid_argument, too_few_samples
       type(error_type), allocatable, intent(out) :: error
 
-      if (.not. between(sample_interval, 0.0_dp, huge(1.0_dp))) then
-         call fatal_error(error, status%invalid_argument, "the sample interval must be positive and finite")
-      else if (.not. between(options%confidence, 0.0_dp, 1.0_dp)) then
+      call check_sample_interval(sample_interval, error)
+      if (allocated(error)) return
+      if (.not. between(options%confidence, 0.0_dp, 1.0_dp)) then
          call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
       else if (.not. between(options%min_coverage, 0.0_dp, 1.0_dp + epsilon(1.0_dp))) then
          call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")

@@ -2,9 +2,8 @@
 !> C: a filter of the program, made for a series. What the function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_design
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_pipeline, only : minimum_samples
    use gyroakf_pipeline_channel, only : run_channel
@@ -59,8 +58,8 @@ contains
       if (all(kind /= kinds)) then
          call fatal_error(error, status%invalid_argument, 'there is no filter of kind "'//trim(kind)// &
                           '"; there are kf, akf, drift_kf and drift_akf')
-      else if (.not. ieee_is_finite(dt) .or. .not. dt >= tiny(dt)) then
-         call fatal_error(error, status%invalid_argument, "the sample interval (dt) must be a positive number of seconds")
+      else
+         call check_sample_interval(dt, error)
       end if
    end subroutine check_arguments
 

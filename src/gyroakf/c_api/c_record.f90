@@ -76,7 +76,7 @@ contains
       character(:), allocatable :: name
 
       call enter_library(c)
-      call new_handle(handle, c_associated(path), error, out)
+      call new_handle(handle, c_associated(path), "the path must not be NULL", error, out)
       if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
       call copy_c_text(path, "", name)
       if (.not. allocated(error)) call read_record(name, options, handle%record, error, c%callback)
@@ -97,7 +97,8 @@ contains
       type(error_type), allocatable :: error
 
       call enter_library(c)
-      call new_handle(handle, c_associated(bytes) .and. n > 0 .and. n <= 8*max_samples, error, out)
+      call new_handle(handle, c_associated(bytes) .and. n > 0 .and. n <= 8*max_samples, &
+         & "the bytes must not be NULL, and there must be 1 .. 2**47 of them (n)", error, out)
       if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
       if (.not. allocated(error)) then
          call c_f_pointer(bytes, options%bytes, [n])
@@ -277,17 +278,17 @@ contains
    end subroutine gyroakf_record_free
 
    !> An empty handle; the caller's input and `out` must be there.
-   subroutine new_handle(handle, good, error, out)
+   subroutine new_handle(handle, good, needed, error, out)
       type(record_handle), pointer, intent(out) :: handle
       logical, intent(in) :: good
+      character(*), intent(in) :: needed
       type(error_type), allocatable, intent(out) :: error
       type(c_ptr), intent(in), optional :: out
       integer :: stat
 
       nullify (handle)
       call check_place(present(out), "result (out)", error)
-      if (.not. (allocated(error) .or. good)) call fatal_error(error, status%invalid_argument, &
-         & "the path, the bytes or the options must not be NULL, and there must be 1 .. 2**47 bytes")
+      if (.not. (allocated(error) .or. good)) call fatal_error(error, status%invalid_argument, needed)
       stat = 0
       if (.not. allocated(error)) allocate (handle, stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a recording")

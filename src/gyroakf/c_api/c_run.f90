@@ -190,7 +190,7 @@ contains
       type(error_type), allocatable :: error
 
       call enter_library(c)
-      call new_handle(handle, present(opt), error, out)
+      call new_handle(handle, present(opt), "the options (opt) must not be NULL", error, out)
       if (.not. allocated(error)) call read_simulation(opt, options, c%callback, error)
       if (.not. allocated(error)) call simulate_record(options, handle%record, error, progress=c%callback)
       call hand_over(handle, error, out)

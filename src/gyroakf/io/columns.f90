@@ -173,23 +173,34 @@ contains
       end associate
    end function names_way
 
-   !> "gx [deg/s]" as name and unit; what stands in brackets at the end belongs to the name where it is no unit: "gyro[0]".
+   !> "gx [deg/s]" or "gx: deg/s" as name and unit; what stands in brackets at the end belongs to the name where it is no unit:
+   !> "gyro[0]".
    pure subroutine take_name(word, name, unit)
       !> As the file has it
       character(*), intent(in) :: word
       !> The unit is "" where there is none
       character(:), allocatable, intent(inout) :: name, unit
       character(:), allocatable :: text
-      integer :: bracket
+      integer :: bracket, last, quote
 
       text = word
+      do
+         quote = index(text, '""')
+         if (quote == 0) exit
+         text = text(:quote)//text(quote + 2:)
+      end do
       name = text
       unit = ""
       bracket = opening_bracket(text)
+      last = len(text) - 1
+      if (bracket < 2) then
+         bracket = index(text, ": ")
+         last = len(text)
+      end if
       if (bracket < 2) return
-      if (.not. is_unit(text(bracket + 1:len(text) - 1))) return
+      if (.not. is_unit(text(bracket + 1:last))) return
       name = trim(text(:bracket - 1))
-      unit = trim(adjustl(text(bracket + 1:len(text) - 1)))
+      unit = trim(adjustl(text(bracket + 1:last)))
    end subroutine take_name
 
    !> "[deg/s]" becomes "deg/s".

@@ -11,11 +11,12 @@ module gyroakf_io_heading
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : is_missing_field
    use gyroakf_io_rows, only : layout_type
-   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, is_no_row, &
+   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, has_fields, is_no_row, &
       last_visible, line_feed_from, split, split_line
    implicit none (type, external)
    private
-   public :: only_words, find_pattern, alike, is_setting, begins_with_names, suppose_names, suppose_record_names, take_heading
+   public :: only_words, find_pattern, alike, is_setting, labels_are_names, begins_with_names, suppose_names, &
+      suppose_record_names, take_heading
 
    !> So many lines below one that may be a setting are looked at
    integer, parameter :: most_ahead = 256
@@ -106,6 +107,26 @@ contains
       end do
       if (i <= most_ahead) is_setting = .false.
    end function is_setting
+
+   !> True for words with labels, "time: s, gx: deg/s", that stand on a row of as many numbers without labels: names.
+   logical function labels_are_names(lines, pattern)
+      !> At the line
+      type(lines_type), intent(in) :: lines
+      !> Of the line
+      character(*), intent(in) :: pattern
+      character(:), allocatable :: other
+      type(marks_type) :: marks
+      type(fields_type) :: fields
+      integer(int64) :: at
+
+      at = line_feed_from(lines%bytes, lines%to + 1) + 1
+      labels_are_names = index(pattern, "n") == 0 .and. at <= lines%last
+      if (.not. labels_are_names) return
+      call find_pattern(lines%bytes, at, line_feed_from(lines%bytes, at) - 1, other, marks)
+      call split_line(lines%bytes, lines%at, lines%to, names_way(lines%bytes, lines%at, lines%to), fields)
+      labels_are_names = marks%labels == 0 .and. verify(other, "n- ") == 0 .and. index(other, "n") > 0 .and. &
+                         has_fields(fields, len(other))
+   end function labels_are_names
 
    !> True for lines whose first words are equal.
    pure logical function begin_alike(bytes, first, second)

@@ -8,6 +8,8 @@ module gyroakf_io_machine_memory
 
    !> Bytes; a limit from here on is none
    real(dp), parameter :: no_limit = 1.0e18_dp
+   !> Of a file; gfortran's run-time library gives empty lines for ever where a file cannot be read any more
+   integer, parameter :: most_lines = 1000
 
 contains
 
@@ -37,12 +39,12 @@ contains
    real(dp) function number_behind(path, word) result(value)
       character(*), intent(in) :: path, word
       character(1024) :: line
-      integer :: unit, failed
+      integer :: unit, failed, i
 
       value = no_limit
       open (newunit=unit, file=path, status="old", action="read", iostat=failed)
       if (failed /= 0) return
-      do
+      do i = 1, most_lines
          read (unit, "(a)", iostat=failed) line
          if (failed /= 0) exit
          if (index(line, word) /= 1) cycle
@@ -65,13 +67,13 @@ contains
    !> The least limit of the control groups of this process, of both versions.
    real(dp) function group_limit() result(bytes)
       character(1024) :: line
-      integer :: unit, failed, colon
+      integer :: unit, failed, colon, i
 
       bytes = min(least_limit("/sys/fs/cgroup", "/", "memory.max"), &
                   least_limit("/sys/fs/cgroup/memory", "/", "memory.limit_in_bytes"))
       open (newunit=unit, file="/proc/self/cgroup", status="old", action="read", iostat=failed)
       if (failed /= 0) return
-      do
+      do i = 1, most_lines
          read (unit, "(a)", iostat=failed) line
          if (failed /= 0) exit
          colon = index(line, ":", back=.true.)

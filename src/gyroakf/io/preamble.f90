@@ -6,7 +6,7 @@ module gyroakf_io_preamble
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : column_names_type, count_names, most_columns
    use gyroakf_io_header, only : read_comment
-   use gyroakf_io_heading, only : alike, begins_with_names, find_pattern, is_setting, only_words, suppose_names, &
+   use gyroakf_io_heading, only : alike, begins_with_names, find_pattern, is_setting, labels_are_names, only_words, suppose_names, &
       suppose_record_names, take_heading
    use gyroakf_io_lines, only : next_line, lines_type, more_lines
    use gyroakf_io_marks, only : find_marks, marks_type, name_fields
@@ -58,7 +58,7 @@ contains
             if (len_trim(pattern) == 0 .and. (len(pattern) == 0 .or. &
                count_names(table%names) /= len(pattern))) then
                continue
-            else if (4*marks%labels <= len(pattern)/2 .and. only_words(lines)) then
+            else if ((4*marks%labels <= len(pattern)/2 .or. labels_are_names(lines, pattern)) .and. only_words(lines)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(lines%to, lines%at + 3)))
                if (word /= "sep=" .and. .not. names_wanted(options, table%names)) then
                   call take_heading(lines, table%names%line < setting, table%names, table%layout)

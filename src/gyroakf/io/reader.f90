@@ -4,9 +4,9 @@
 !> What the file says about rate, unit and columns is used, an option overrides it, and where neither says anything
 !> nothing is assumed. Everything that was decided on the way is in the record: `rate_source`, `unit_source`, `warnings`.
 module gyroakf_io_reader
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_column_behavior, only : find_time_and_counters
@@ -187,14 +187,9 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(table_type) :: nothing
-      logical :: good
 
-      good = ieee_is_finite(sample_interval)
-      if (good) good = sample_interval > 0.0_dp
-      if (.not. good) then
-         call fatal_error(error, status%invalid_argument, "the sample interval must be a finite number above 0")
-         return
-      end if
+      call check_sample_interval(sample_interval, error)
+      if (allocated(error)) return
       record%path = "<memory>"
       record%format = "array"
       record%stored_type = "float64"

@@ -111,8 +111,13 @@ contains
       from = p
       if (bytes(p) == quote .or. bytes(p) == apostrophe) then
          from = p + 1
-         do to = from, last
-            if (bytes(to) == bytes(p)) exit
+         to = from
+         do while (to <= last)
+            if (bytes(to) == bytes(p)) then
+               if (to == last .or. bytes(min(to + 1, last)) /= bytes(p)) exit
+               to = to + 1                                      ! a doubled quote is one in the text
+            end if
+            to = to + 1
          end do
          if (to > last) open_quote = p
          p = to + 1

@@ -5,7 +5,7 @@
 !>     ! spectrum%density(k) at spectrum%frequency(k), two-sided, unit^2/Hz for dt in s
 module gyroakf_stats_welch
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_special, only : chi_square_quantile
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan
@@ -138,10 +138,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(120) :: text
 
+      call check_sample_interval(dt, error)
+      if (allocated(error)) return
       if (n < 2) then
          call fatal_error(error, status%too_few_samples, "a spectrum needs at least 2 samples")
-      else if (.not. dt > 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "the sample interval must be larger than 0")
       else if (all(trim(options%window) /= [character(8) :: "hann", "hamming", "blackman", "none"])) then
          call fatal_error(error, status%invalid_argument, &
                           "unknown window '"//trim(options%window)//"'; there are hann, hamming, blackman and none")
