@@ -627,13 +627,16 @@ static call long_call(const row *r, const double *longer, int64_t length, char *
   return c;
 }
 
-/* The call by a process that has only so much more memory: 0 it is refused, 2 it succeeds, all else is no good end. */
+/* How a call by a child ended, as its exit code; a runtime library ends a program with 1 or 2. */
+enum { done = 10, no_memory, too_few_requests, no_good_end };
+
+/* The call by a process that has only so much more memory. */
 static int call_within(const row *r, call c, size_t bytes) {
-  int status, code = 1;
+  int status, code = no_good_end;
   pid_t child;
   fflush(NULL);
   child = fork();
-  if (child < 0) return 1;
+  if (child < 0) return code;
   if (child == 0) {
     struct rlimit limit;
     grow_stack();
@@ -642,7 +645,7 @@ static int call_within(const row *r, call c, size_t bytes) {
     setrlimit(RLIMIT_AS, &limit);
     lost = 0;
     status = r->call(&c);
-    _exit(lost > 0 || err.code != status ? 1 : status == GYROAKF_OK ? 2 : status == GYROAKF_NO_MEMORY ? 0 : 1);
+    _exit(lost > 0 || err.code != status ? no_good_end : status == GYROAKF_OK ? done : status == GYROAKF_NO_MEMORY ? no_memory : no_good_end);
   }
   if (waitpid(child, &status, 0) == child && WIFEXITED(status)) code = WEXITSTATUS(status);
   return code;
@@ -651,13 +654,13 @@ static int call_within(const row *r, call c, size_t bytes) {
 /* The call with more and more memory, until that is enough. */
 static void within_limits(const row *r, const double *longer, char *buffer) {
   size_t bytes = 1 << 20;
-  int code = 0;
-  while (code == 0 && bytes < ((size_t)1 << 31)) {
+  int code = no_memory;
+  while (code == no_memory && bytes < ((size_t)1 << 31)) {
     code = call_within(r, long_call(r, longer, many, buffer), bytes);
     bytes += bytes / 4;
   }
   snprintf(what, sizeof what, "%s: within %lld bytes", r->name, (long long)bytes);
-  check(code == 2, what);
+  check(code == done, what);
 }
 
 /* Memory that is too little for a long series: a status; the program goes on. The first of all tests: nothing is free in the heap yet. */
@@ -848,32 +851,84 @@ static int read_columns(call *c) {
   return status;
 }
 
-/* A call by a child whose request of that number fails: 0 there were fewer, 1 refused for want of memory, 2 it went on, else no good end. */
+/* Orders with which matrices and the work space of LAPACK are large. */
+enum { large_order = 100 };
+
+static int ar_fit_of(call *c, const char *method) {
+  double phi[large_order];
+  int32_t order;
+  gyroakf_ar_options opt;
+  gyroakf_ar_options_init(&opt);
+  opt.method = method;
+  opt.order = large_order;
+  return gyroakf_ar_fit(c->x, c->length, &opt, large_order, &order, phi, NULL, NULL, &err);
+}
+
+static int ar_fit_squares(call *c) { return ar_fit_of(c, "ols"); }
+
+static int ar_fit_recursion(call *c) { return ar_fit_of(c, "yw"); }
+
+static int ar_fit_burg(call *c) { return ar_fit_of(c, "burg"); }
+
+static int adf_test_lags(call *c) {
+  gyroakf_adf_options opt;
+  gyroakf_adf result;
+  gyroakf_adf_options_init(&opt);
+  opt.max_lags = large_order;
+  return gyroakf_adf_test(c->x, c->length, &opt, &result, &err);
+}
+
+static int filter_of(int32_t order) {
+  static const double phi[large_order] = {0.5, 0.1};
+  gyroakf_filter *f = NULL;
+  const int status = gyroakf_filter_new(order, phi, 1.0, 1.0, NULL, &f, &err);
+  gyroakf_filter_free(f);
+  return status;
+}
+
+static int filter_of_order(call *c) {
+  (void)c;
+  return filter_of(large_order);
+}
+
+/* Its steady gain by doubling */
+static int filter_doubling(call *c) {
+  (void)c;
+  return filter_of(large_order / 2 - 1);
+}
+
+/* A call by a child whose request of that number fails. */
 static int call_without(const row *r, call c, long number) {
   int status;
   pid_t child;
   fflush(NULL);
   child = fork();
-  if (child < 0) return 4;
+  if (child < 0) return no_good_end;
   if (child == 0) {
     alarm(60);
     lost = 0;
     faults_begin(number);
     status = r->call(&c);
-    if (lost > 0 || err.code != status || (status != GYROAKF_OK && strlen(err.message) < 5)) _exit(3);
-    if (faults_requests() < number) _exit(status == GYROAKF_OK ? 0 : 3);
+    if (lost > 0 || err.code != status || (status != GYROAKF_OK && strlen(err.message) < 5)) _exit(no_good_end);
+    if (faults_requests() < number) _exit(status == GYROAKF_OK ? too_few_requests : no_good_end);
     if (status != GYROAKF_OK && status != GYROAKF_NO_MEMORY) fprintf(stderr, "%s: status %d: %s\n", r->name, status, err.message);
-    _exit(status == GYROAKF_OK ? 2 : status == GYROAKF_NO_MEMORY ? 1 : 3);
+    _exit(status == GYROAKF_OK ? done : status == GYROAKF_NO_MEMORY ? no_memory : no_good_end);
   }
   if (waitpid(child, &status, 0) == child && WIFEXITED(status)) return WEXITSTATUS(status);
-  return 4;
+  return no_good_end;
 }
 
 /* Every large request of a call fails once; of many channels those of the first and some. */
 void test_faults(void) {
   static const row more[] = {{"run of 60 channels", run_channels, 1, 0, 0, NONE},
                              {"60 columns", parse_columns, 1, 0, 0, NONE},
-                             {"60 columns of a file", read_columns, 1, 0, 0, NONE}};
+                             {"60 columns of a file", read_columns, 1, 0, 0, NONE},
+                             {"least squares of order 100", ar_fit_squares, 1, 0, 0, NONE},
+                             {"Yule-Walker of order 100", ar_fit_recursion, 1, 0, 0, NONE},
+                             {"Burg of order 100", ar_fit_burg, 1, 0, 0, NONE},
+                             {"adf_test of 100 lags", adf_test_lags, 1, 0, 0, NONE},
+                             {"filter_new of order 49", filter_doubling, 1, 0, 0, NONE},
+                             {"filter_new of order 100", filter_of_order, 1, 0, 0, NONE}};
   double *longer = (double *)malloc(many * sizeof *longer);
   char *buffer = (char *)malloc(8 * sizeof(double) * many);
   long number, step;
@@ -883,21 +938,21 @@ void test_faults(void) {
   make_columns();
   omp_set_num_threads(1);
   for (i = 0; i < many; i++) longer[i] = series[i % n] + 1e-6 * i;
-  for (k = 0; k < rows + 3; k++) {
+  for (k = 0; k < rows + (int)(sizeof more / sizeof *more); k++) {
     const row *r = k < rows ? &table[k] : &more[k - rows];
     tried = went_on = 0;
     step = 1;
     for (number = 1; number < 100000; number += step) {
       call c = long_call(r, longer, many / 5, buffer);
       code = call_without(r, c, number);
-      if (code == 0) break;
+      if (code == too_few_requests) break;
       snprintf(what, sizeof what, "%s: large request %ld fails", r->name, number);
-      check(code == 1 || code == 2, what);
+      check(code == no_memory || code == done, what);
       tried++;
-      went_on += code == 2;
+      went_on += code == done;
       if (r->call == run_channels && number > 100) step = number / 2;
     }
-    printf("%-20s %5d requests failed one by one, %d of them of no account\n", r->name, tried, went_on);
+    printf("%-26s %5d requests failed one by one, %d of them of no account\n", r->name, tried, went_on);
   }
   free(longer);
   free(buffer);

@@ -91,11 +91,6 @@ int mkdir(const char *path, mode_t mode) {
   return fails("mkdir", NULL) ? -1 : next(path, mode);
 }
 
-int truncate(const char *path, off_t length) {
-  NEXT(truncate);
-  return fails("truncate", NULL) ? -1 : next(path, length);
-}
-
 void *mmap(void *address, size_t length, int protection, int flags, int file, off_t offset) {
   NEXT(mmap);
   return fails("mmap", NULL) ? MAP_FAILED : next(address, length, protection, flags, file, offset);

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, field
+from math import floor, log10
 from typing import Any, Dict, Optional, Sequence, Union
 
 import numpy as np
@@ -44,12 +45,12 @@ class Coefficient(Result):
     def __str__(self) -> str:
         if not self.fitted:
             return "-"
-        shown = (
-            f"{self.value:.4g} ± {self.std_error:.2g}"
-            if self.detected
-            else f"< {self.upper_limit:.4g}"
-        )
-        return f"{shown} {self.unit}"
+        if not self.detected:
+            return f"< {self.upper_limit:.4g} {self.unit}"
+        digits = 4  # of the value, as many as its error has
+        if 0 < self.std_error < self.value:
+            digits = 2 + floor(log10(self.value)) - floor(log10(self.std_error))
+        return f"{self.value:#.{digits}g} ± {self.std_error:.2g} {self.unit}"
 
 
 @dataclass(frozen=True)
@@ -152,6 +153,7 @@ def allan(
     rate: Optional[float] = None,
     *,
     column: Optional[Column] = None,
+    unit: Optional[str] = None,
     kind: Optional[str] = None,
     taus: Union[str, Sequence[float], None] = None,
     confidence: Optional[float] = None,
@@ -169,6 +171,8 @@ def allan(
         Sample rate in Hz; that of the recording, or 1.
     column : int or str, optional
         Channel of a recording of several.
+    unit : str, optional
+        Unit of the samples; that of the recording.
     kind : {"oadev", "adev", "mdev", "tdev", "hdev", "ohdev", "totdev"}, optional
         The statistic; the overlapping Allan deviation without it.
     taus : str or sequence of float, optional
@@ -194,7 +198,7 @@ def allan(
     >>> print(gyroakf.noise_fit(curve).n)
     0.005009 ± 1.9e-05 deg/s sqrt(s)
     """
-    x, dt, unit = sampled(data, rate, column)
+    x, dt, known = sampled(data, rate, column)
     times = (
         taus
         if taus is None or isinstance(taus, str)
@@ -218,7 +222,7 @@ def allan(
         name: handle.array(getattr(lib.LIBRARY, f"gyroakf_allan_{name}")(handle.pointer), n)
         for name in ("tau", "deviation", "lower", "upper", "edf")
     }
-    return AllanCurve(kind=kind or "oadev", unit=unit, _handle=handle, **arrays)
+    return AllanCurve(kind=kind or "oadev", unit=unit or known, _handle=handle, **arrays)
 
 
 def noise_fit(
@@ -252,9 +256,9 @@ def noise_fit(
     >>> fit = gyroakf.noise_fit(gyroakf.simulate(360000, rate=10, n=0.005, k=2e-4, seed=1))
     >>> print(fit)
     Q < 9.023e-05 deg/s s
-    N 0.004998 ± 5.9e-06 deg/s sqrt(s)
+    N 0.0049983 ± 5.9e-06 deg/s sqrt(s)
     B < 0.0003011 deg/s
-    K 0.000188 ± 7.2e-06 deg/s/sqrt(s)
+    K 0.0001880 ± 7.2e-06 deg/s/sqrt(s)
     R < 5.318e-06 deg/s/s
     """
     curve = data if isinstance(data, AllanCurve) else allan(data, rate, column=column)

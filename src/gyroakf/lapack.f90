@@ -8,9 +8,19 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dpotrf, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, dgeqrf
+   public :: dgemm, dpotrf, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, dgeqrf
 
    interface
+
+      !> C = alpha op(A) op(B) + beta C
+      subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: transa, transb
+         integer, intent(in) :: m, n, k, lda, ldb, ldc
+         real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
+         real(dp), intent(inout) :: c(ldc, *)
+      end subroutine dgemm
 
       !> Cholesky factor of a symmetric positive definite matrix
       subroutine dpotrf(uplo, n, a, lda, info)

@@ -284,14 +284,19 @@ contains
       real(dp), intent(in) :: factor
       !> Its order is known, its standard errors are filled
       type(ar_model_type), intent(inout) :: model
-      !> singular
+      !> singular, no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: a(:, :)
       integer :: i, j, p, info
 
       p = model%order
       info = 0
-      allocate (a(p, p), model%std_error(p))
+      allocate (model%std_error(p))
+      allocate (a(p, p), stat=info)
+      if (info /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the standard errors")
+         return
+      end if
       do j = 1, p
          do i = 1, j
             a(i, j) = r(j - i)/r(0)

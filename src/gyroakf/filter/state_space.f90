@@ -8,7 +8,7 @@
 module gyroakf_filter_state_space
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_lapack, only : dgesv
+   use gyroakf_lapack, only : dgemm, dgesv
    implicit none (type, external)
    private
    public :: steady_prior, predict_covariance, correct_covariance, stationary_covariance, steady_state
@@ -99,12 +99,18 @@ contains
       real(dp), intent(in) :: q
       !> Covariance, [p, p]
       real(dp), intent(out) :: p(:, :)
-      !> unstable: the coefficients are not those of a stationary series
+      !> unstable: the coefficients are not those of a stationary series; no_memory
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: lower(size(phi), 0:size(phi)), r(0:size(phi)), reflection
-      integer :: i, j, m, n
+      real(dp), allocatable :: lower(:, :)
+      real(dp) :: r(0:size(phi)), reflection
+      integer :: i, j, m, n, stat
 
       n = size(phi)
+      allocate (lower(n, 0:n), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the covariance of the filter")
+         return
+      end if
       lower(:, n) = phi
       r(0) = q
       do m = n, 1, -1
@@ -144,9 +150,8 @@ contains
       real(dp), intent(out), contiguous :: gain(:)
       !> Steady covariance of the prediction, [p, p]
       real(dp), intent(out), contiguous :: prior(:, :)
-      !> not_converged, singular: the Riccati iteration failed (p > 1)
+      !> not_converged, singular: the Riccati iteration failed (p > 1); no_memory
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: a(size(phi), size(phi)), g(size(phi), size(phi))
       real(dp) :: work(size(phi)), s
       logical :: settled
       integer :: i
@@ -160,13 +165,7 @@ contains
       else if (q > 0.0_dp) then
          if (size(phi) >= long_order) call settle_gain(phi, q, r, prior, settled)
          if (.not. settled) then
-            a = 0.0_dp
-            g = 0.0_dp
-            prior = 0.0_dp
-            call companion(phi, a)
-            g(1, 1) = 1.0_dp
-            prior(1, 1) = q/r
-            call solve_riccati(a, g, prior, error)
+            call steady_prediction(phi, q/r, prior, error)
             if (allocated(error)) return
             prior = r*prior
          end if
@@ -177,6 +176,34 @@ contains
       end if
       gain = prior(:, 1)/(prior(1, 1) + r)
    end subroutine steady_state
+
+   !> Steady covariance of the prediction by doubling, for r = 1.
+   subroutine steady_prediction(phi, q, prior, error)
+      !> Coefficients, [p], p >= 2
+      real(dp), intent(in) :: phi(:)
+      !> Variance of the driving noise
+      real(dp), intent(in) :: q
+      !> Covariance, [p, p]
+      real(dp), intent(out), contiguous :: prior(:, :)
+      !> As of solve_riccati
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: a(:, :), g(:, :)
+      integer :: stat
+
+      allocate (a(size(phi), size(phi)), stat=stat)
+      if (stat == 0) allocate (g(size(phi), size(phi)), stat=stat)
+      if (stat /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the steady gain of the filter")
+         return
+      end if
+      a = 0.0_dp
+      g = 0.0_dp
+      prior = 0.0_dp
+      call companion(phi, a)
+      g(1, 1) = 1.0_dp
+      prior(1, 1) = q
+      call solve_riccati(a, g, prior, error)
+   end subroutine steady_prediction
 
    !> True where r is 0, or so small that the state counts as measured: what r adds to the variance of the prediction, at most
    !> $r (\sum |\phi_j|)^2$, is below the rounding of q.
@@ -291,21 +318,28 @@ contains
    !> $$ P = \Phi \big( P - P h (1 + h^T P h)^{-1} h^T P \big) \Phi^T + Q $$
    subroutine solve_riccati(transition, g, h, error)
       !> Phi, [p, p]
-      real(dp), intent(in) :: transition(:, :)
+      real(dp), intent(in), contiguous :: transition(:, :)
       !> h h', [p, p]; spent afterwards
-      real(dp), intent(inout) :: g(:, :)
+      real(dp), intent(inout), contiguous :: g(:, :)
       !> Q on entry, the solution on return, [p, p]
-      real(dp), intent(inout) :: h(:, :)
-      !> not_converged, singular
+      real(dp), intent(inout), contiguous :: h(:, :)
+      !> not_converged, singular, no_memory
       type(error_type), allocatable, intent(out) :: error
-      real(dp), dimension(size(g, 1), size(g, 1)) :: a, m, step
-      real(dp) :: w(size(g, 1), 2*size(g, 1))
+      real(dp), allocatable :: a(:, :), m(:, :), step(:, :), w(:, :)
       integer :: pivot(size(g, 1)), i, n, info, round
 
       n = size(g, 1)
+      allocate (a(n, n), stat=info)
+      if (info == 0) allocate (m(n, n), stat=info)
+      if (info == 0) allocate (step(n, n), stat=info)
+      if (info == 0) allocate (w(n, 2*n), stat=info)
+      if (info /= 0) then
+         call fatal_error(error, status%no_memory, "no memory for the steady gain of the filter")
+         return
+      end if
       a = transpose(transition)
       do round = 1, max_doublings
-         m = matmul(g, h)
+         call dgemm("N", "N", n, n, n, 1.0_dp, g, n, h, n, 0.0_dp, m, n)
          do i = 1, n
             m(i, i) = m(i, i) + 1.0_dp
          end do
@@ -316,9 +350,12 @@ contains
             call fatal_error(error, status%singular, "the Riccati equation of the filter is singular")
             return
          end if
-         step = matmul(transpose(a), matmul(h, w(:, :n)))
-         g = g + matmul(a, matmul(w(:, n + 1:), transpose(a)))
-         a = matmul(a, w(:, :n))
+         call dgemm("N", "N", n, n, n, 1.0_dp, h, n, w, n, 0.0_dp, m, n)
+         call dgemm("T", "N", n, n, n, 1.0_dp, a, n, m, n, 0.0_dp, step, n)
+         call dgemm("N", "T", n, n, n, 1.0_dp, w(1, n + 1), n, a, n, 0.0_dp, m, n)
+         call dgemm("N", "N", n, n, n, 1.0_dp, a, n, m, n, 1.0_dp, g, n)
+         call dgemm("N", "N", n, n, n, 1.0_dp, a, n, w, n, 0.0_dp, m, n)
+         a = m
          h = h + 0.5_dp*(step + transpose(step))
          if (maxval(abs(step)) <= tolerance*maxval(abs(h))) return
       end do

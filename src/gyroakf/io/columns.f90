@@ -181,22 +181,17 @@ contains
       !> The unit is "" where there is none
       character(:), allocatable, intent(inout) :: name, unit
       character(:), allocatable :: text
-      integer :: bracket, last, quote
+      integer :: bracket, last
 
       text = word
-      do
-         quote = index(text, '""')
-         if (quote == 0) exit
-         text = text(:quote)//text(quote + 2:)
+      do while (index(text, '""') > 0)
+         text = text(:index(text, '""'))//text(index(text, '""') + 2:)
       end do
       name = text
       unit = ""
       bracket = opening_bracket(text)
-      last = len(text) - 1
-      if (bracket < 2) then
-         bracket = index(text, ": ")
-         last = len(text)
-      end if
+      last = merge(len(text), len(text) - 1, bracket < 2)
+      if (bracket < 2) bracket = index(text, ": ")
       if (bracket < 2) return
       if (.not. is_unit(text(bracket + 1:last))) return
       name = trim(text(:bracket - 1))

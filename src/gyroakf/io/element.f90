@@ -104,40 +104,22 @@ contains
       integer(int64), intent(in) :: count
       !> As stored
       type(element_type), intent(in) :: element
-      integer(int16), pointer, contiguous :: two(:)
-      integer(int32), pointer, contiguous :: four(:)
-      integer(int32), pointer, contiguous :: halves(:, :)
+      integer(int8), pointer, contiguous :: bytes(:, :)
+      integer(int8) :: byte
       integer(int64) :: i
+      integer :: j, n
 
       if (element%big_endian .eqv. host_big_endian()) return
-      select case (element%bytes)
-      case (2)
-         call c_f_pointer(address, two, [count])
-         do i = 1, count
-            two(i) = ior(shiftl(two(i), 8), shiftr(two(i), 8))
+      n = element%bytes
+      call c_f_pointer(address, bytes, [int(n, int64), count])
+      do i = 1, count
+         do j = 1, n/2
+            byte = bytes(j, i)
+            bytes(j, i) = bytes(n + 1 - j, i)
+            bytes(n + 1 - j, i) = byte
          end do
-      case (4)
-         call c_f_pointer(address, four, [count])
-         do i = 1, count
-            four(i) = swapped(four(i))
-         end do
-      case (8)
-         call c_f_pointer(address, halves, [2_int64, count])
-         do i = 1, count
-            halves(:, i) = swapped(halves(2:1:-1, i))
-         end do
-      case default
-         continue
-      end select
+      end do
    end subroutine swap_elements
-
-   !> Four bytes in reverse order.
-   elemental integer(int32) function swapped(x)
-      integer(int32), intent(in) :: x
-
-      swapped = ior(ior(shiftl(x, 24), iand(shiftl(x, 8), int(z"00FF0000", int32))), &
-                    ior(iand(shiftr(x, 8), int(z"0000FF00", int32)), shiftr(x, 24)))
-   end function swapped
 
    !> Converts every step-th number; the bytes are in this machine's order.
    subroutine convert_elements(address, element, first, step, value, rounded)

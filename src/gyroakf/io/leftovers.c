@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What processes left behind that were killed while they wrote a file, and whether two paths lead to one file. In C because the entries
+ * What processes left behind that were killed while they wrote a file, and what kind of file a path leads to. In C because the entries
  * of a directory and what the system says of a file have layouts of the system's own.
  */
 #define _POSIX_C_SOURCE 200809L
@@ -22,6 +22,7 @@
 
 LOCAL void gyroakf_host_remove_leftovers(const char *path);
 LOCAL int gyroakf_host_same_file(const char *a, const char *b);
+LOCAL int gyroakf_host_is_special(const char *path);
 
 /* Whether a name is NAME.partN, where N is the number of a process that is no more. */
 static int is_leftover(const char *entry, const char *name, size_t length) {
@@ -58,4 +59,10 @@ int gyroakf_host_same_file(const char *a, const char *b) {
   struct stat first, second;
   const int found = strcmp(a, "-") == 0 ? fstat(0, &first) : stat(a, &first);
   return found == 0 && S_ISREG(first.st_mode) && stat(b, &second) == 0 && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+}
+
+/* Whether a path leads to a device, a FIFO or a socket, which must not be replaced by a file. */
+int gyroakf_host_is_special(const char *path) {
+  struct stat found;
+  return stat(path, &found) == 0 && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode);
 }

@@ -35,25 +35,33 @@ contains
       bytes = 1024.0_dp*number_behind(path, key)
    end function memory_of
 
-   !> The number behind a word that begins a line of a file; no limit where there is none ("max", "unlimited").
+   !> The number behind a word in a file; no limit where there is none ("max", "unlimited").
    real(dp) function number_behind(path, word) result(value)
       character(*), intent(in) :: path, word
-      character(1024) :: line
+      character(1024) :: text
+      integer :: failed
+
+      text = text_behind(path, word)
+      read (text, *, iostat=failed) value
+      if (failed /= 0) value = no_limit
+   end function number_behind
+
+   !> What stands behind a word in the first line of a file that holds it; blank where none does.
+   character(1024) function text_behind(path, word) result(text)
+      character(*), intent(in) :: path, word
       integer :: unit, failed, i
 
-      value = no_limit
+      text = ""
       open (newunit=unit, file=path, status="old", action="read", iostat=failed)
       if (failed /= 0) return
       do i = 1, most_lines
-         read (unit, "(a)", iostat=failed) line
-         if (failed /= 0) exit
-         if (index(line, word) /= 1) cycle
-         read (line(len(word) + 1:), *, iostat=failed) value
-         if (failed /= 0) value = no_limit
-         exit
+         read (unit, "(a)", iostat=failed) text
+         if (failed /= 0 .or. index(text, word) > 0) exit
       end do
       close (unit)
-   end function number_behind
+      text = text(index(text, word) + len(word):)
+      if (failed /= 0 .or. i > most_lines) text = ""
+   end function text_behind
 
    !> What `ulimit -v` leaves of the address space.
    real(dp) function address_space() result(bytes)
@@ -66,23 +74,11 @@ contains
 
    !> The least limit of the control groups of this process, of both versions.
    real(dp) function group_limit() result(bytes)
-      character(1024) :: line
-      integer :: unit, failed, colon, i
+      character(*), parameter :: mine = "/proc/self/cgroup", root = "/sys/fs/cgroup"
 
-      bytes = min(least_limit("/sys/fs/cgroup", "/", "memory.max"), &
-                  least_limit("/sys/fs/cgroup/memory", "/", "memory.limit_in_bytes"))
-      open (newunit=unit, file="/proc/self/cgroup", status="old", action="read", iostat=failed)
-      if (failed /= 0) return
-      do i = 1, most_lines
-         read (unit, "(a)", iostat=failed) line
-         if (failed /= 0) exit
-         colon = index(line, ":", back=.true.)
-         if (line(:3) == "0::") bytes = min(bytes, least_limit("/sys/fs/cgroup", trim(line(4:)), "memory.max"))
-         if (index(line(:colon), ":memory:") > 0) then
-            bytes = min(bytes, least_limit("/sys/fs/cgroup/memory", trim(line(colon + 1:)), "memory.limit_in_bytes"))
-         end if
-      end do
-      close (unit)
+      bytes = min(least_limit(root, "/", "memory.max"), least_limit(root//"/memory", "/", "memory.limit_in_bytes"), &
+                  least_limit(root, trim(text_behind(mine, "0::")), "memory.max"), &
+                  least_limit(root//"/memory", trim(text_behind(mine, ":memory:")), "memory.limit_in_bytes"))
    end function group_limit
 
    !> The least number that the files of a name hold in a directory below a root and in those above it; no limit where none does.

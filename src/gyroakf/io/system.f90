@@ -6,7 +6,7 @@ module gyroakf_io_system
    implicit none (type, external)
    private
    public :: c_open, c_read, c_close, c_poll, poll_type
-   public :: c_creat, c_write, c_rename, c_unlink, c_truncate, c_getpid, c_mkdir
+   public :: c_creat, c_write, c_rename, c_unlink, c_getpid, c_mkdir
    public :: read_at, write_all
 
    !> `struct pollfd` of poll.h
@@ -85,15 +85,6 @@ module gyroakf_io_system
          character(kind=c_char), intent(in) :: old(*), new(*)
          integer(c_int) :: failed
       end function c_rename
-
-      !> Fails for what is no regular file
-      function c_truncate(path, length) result(failed) bind(C, name="truncate")
-         import :: c_char, c_int, c_long
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_long), intent(in), value :: length
-         integer(c_int) :: failed
-      end function c_truncate
 
       function c_getpid() result(process) bind(C, name="getpid")
          import :: c_int

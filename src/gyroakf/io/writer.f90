@@ -6,12 +6,12 @@
 !>     call put_line(writer, "tau,deviation")        ! any number of these; failures are kept
 !>     call commit_writer(writer, error)             ! ... and reported here, where the file appears
 module gyroakf_io_writer
-   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_loc, c_long, c_null_char
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_loc, c_null_char
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real, longest_real, real_to_text
    use gyroakf_io_source, only : find_reason, is_directory
-   use gyroakf_io_system, only : c_close, c_creat, c_getpid, c_mkdir, c_rename, c_truncate, c_unlink, write_all
+   use gyroakf_io_system, only : c_close, c_creat, c_getpid, c_mkdir, c_rename, c_unlink, write_all
    implicit none (type, external)
    private
    public :: writer_type, markup_type, open_writer, put, put_line, put_real, put_reals
@@ -59,6 +59,14 @@ module gyroakf_io_writer
          !> Ends with a NUL
          character(kind=c_char), intent(in) :: path(*)
       end subroutine remove_leftovers
+
+      !> Not 0 for a device or a FIFO, which must not be replaced by a file
+      integer(c_int) function is_special(path) bind(C, name="gyroakf_host_is_special")
+         import :: c_char, c_int
+         implicit none (type, external)
+         !> Ends with a NUL
+         character(kind=c_char), intent(in) :: path(*)
+      end function is_special
    end interface
 
    !> Characters written at once
@@ -94,7 +102,7 @@ contains
          return
       end if
       write (process, "(i0)") c_getpid()
-      if (.not. is_special(path)) then
+      if (is_special(path//c_null_char) == 0) then
          writer%aside = path//".part"//trim(process)
          call remove_leftovers(path//c_null_char)
       end if
@@ -103,17 +111,6 @@ contains
       call find_reason(writer%aside, "write", reason)
       call fatal_error(error, status%io, path//": cannot be written: "//reason)
    end subroutine open_writer
-
-   !> True for a device or a FIFO, which must not be replaced by a file.
-   logical function is_special(path)
-      character(*), intent(in) :: path
-      logical :: exists
-      integer(int64) :: length
-
-      inquire (file=path, exist=exists, size=length)
-      is_special = .false.
-      if (exists .and. length <= 0) is_special = c_truncate(path//c_null_char, 0_c_long) /= 0
-   end function is_special
 
    !> Writes a text; a failure is kept for [[commit_writer]].
    subroutine put(writer, text)
@@ -246,7 +243,7 @@ contains
       character(*), intent(in) :: path
 
       inquire (file=path, exist=is_file)
-      if (is_file) is_file = .not. (is_directory(path) .or. is_special(path))
+      if (is_file) is_file = .not. is_directory(path) .and. is_special(path//c_null_char) == 0
    end function is_file
 
    !> Removes a file; content where there is none.

@@ -9,7 +9,7 @@ module gyroakf_report_csv
    use gyroakf_io_columns_writer, only : begin_rows, column_type, put_rows, row_layout_type, &
       set_even
    use gyroakf_io_writer, only : format_real, put, put_line, writer_type
-   use gyroakf_pipeline_result, only : pipeline_result_type
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type
    use gyroakf_report_description, only : description_type, unknown_type
    use gyroakf_report_text_layout, only : count_text, if_known
    implicit none (type, external)
@@ -69,6 +69,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(column_type), target :: columns(1 + size(series_names)*size(result%channel))
       type(column_type), pointer :: of(:)
+      type(channel_result_type), pointer :: channel
       type(row_layout_type) :: layout
       integer(int64) :: n
       integer :: c, i
@@ -82,28 +83,27 @@ contains
       if (layout%form == "text") call put(writer, "time")
       do c = 1, size(result%channel)
          of => columns(2 + (c - 1)*size(series_names):1 + c*size(series_names))
-         associate (channel => result%channel(c))
-            do i = 1, merge(size(series_names), 0, layout%form == "text")
-               call put(writer, ","//quoted(if_known(size(result%channel) > 1, channel%name// &
-                                                     "_")// &
-                                            trim(series_names(i))))
-            end do
-            of(1)%value => record%value(:, c)
-            if (allocated(record%present)) of(1)%present => record%present(:, c)
-            if (allocated(channel%series_cleaned)) of(2)%value => channel%series_cleaned
-            of(2)%present => of(1)%present
-            if (allocated(channel%series_present)) of(2)%present => channel%series_present
-            if (allocated(channel%series_kf) .and. &
-                channel%available%kf) of(3)%value => channel%series_kf
-            if (allocated(channel%series_akf) .and. channel%available%akf) then
-               of(4)%value => channel%series_akf
-            end if
-            if (allocated(channel%series_drift)) of(5)%value => channel%series_drift
-            if (allocated(channel%series_compensated)) of(6)%value => channel%series_compensated
-            of(6)%present => of(1)%present
-            if (allocated(channel%series_drift_kf)) of(7)%value => channel%series_drift_kf
-            if (allocated(channel%series_drift_akf)) of(8)%value => channel%series_drift_akf
-         end associate
+         channel => result%channel(c)
+         do i = 1, merge(size(series_names), 0, layout%form == "text")
+            call put(writer, ","//quoted(if_known(size(result%channel) > 1, channel%name// &
+                                                  "_")// &
+                                         trim(series_names(i))))
+         end do
+         of(1)%value => record%value(:, c)
+         if (allocated(record%present)) of(1)%present => record%present(:, c)
+         if (allocated(channel%series_cleaned)) of(2)%value => channel%series_cleaned
+         of(2)%present => of(1)%present
+         if (allocated(channel%series_present)) of(2)%present => channel%series_present
+         if (allocated(channel%series_kf) .and. &
+             channel%available%kf) of(3)%value => channel%series_kf
+         if (allocated(channel%series_akf) .and. channel%available%akf) then
+            of(4)%value => channel%series_akf
+         end if
+         if (allocated(channel%series_drift)) of(5)%value => channel%series_drift
+         if (allocated(channel%series_compensated)) of(6)%value => channel%series_compensated
+         of(6)%present => of(1)%present
+         if (allocated(channel%series_drift_kf)) of(7)%value => channel%series_drift_kf
+         if (allocated(channel%series_drift_akf)) of(8)%value => channel%series_drift_akf
       end do
       if (layout%form == "text") call put_line(writer, "")
       call begin_rows(writer, size(columns), n, layout)

@@ -44,9 +44,12 @@ contains
 
       allocate (remark(0))
       if (command == "run" .or. command == "filter") then
-         text = passed("KF", result%channel%kf_figures%passed_percent, &
-                       result%channel%available%kf)// &
-            passed("AKF", result%channel%akf_figures%passed_percent, result%channel%available%akf)
+         associate (channel => result%channel, n => size(result%channel))
+            text = passed("KF", [(channel(i)%kf_figures%passed_percent, i=1, n)], &
+                          [(channel(i)%available%kf, i=1, n)])// &
+                   passed("AKF", [(channel(i)%akf_figures%passed_percent, i=1, n)], &
+                          [(channel(i)%available%akf, i=1, n)])
+         end associate
          if (text /= "") call add_remark(note, "the paper's filters pass a constant "// &
             "rotation in part (DC gain: "//text(3:)//"): their outputs are no input for "// &
             "navigation", "")

@@ -283,7 +283,7 @@ contains
    !> "0.3005 deg/sqrt(h)", "< 8.6 deg/h^1.5", "-".
    pure function coefficient_text(stated) result(text)
       type(stated_coefficient_type), intent(in) :: stated
-      character(:), allocatable :: text, shown
+      character(:), allocatable :: text
 
       text = "-"
       if (.not. stated%fitted) return
