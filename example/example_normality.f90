@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> Are the samples of a converter normal? Tests, sizes of the effect, the step, and a histogram.
+!> Are the samples of a converter normal? Tests, sizes of the effect, and the step.
 program example_normality
    use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, moments_type, compute_moments, &
       jarque_bera_type, test_jarque_bera, anderson_darling_options, anderson_darling_type, test_anderson_darling, judge_normality, &
-      quantisation_type, find_quantisation, histogram_options, histogram_type, compute_histogram
+      quantisation_type, find_quantisation
    implicit none (type, external)
    call show
 contains
@@ -15,8 +15,6 @@ contains
       type(jarque_bera_type) :: jb
       type(anderson_darling_type) :: ad
       type(quantisation_type) :: grid
-      type(histogram_type) :: histogram
-      integer :: i
 
       options%samples = 20000
       options%coefficient(2) = 0.02_dp
@@ -28,15 +26,11 @@ contains
          call test_jarque_bera(moments, jb, error)
          if (.not. allocated(error)) call test_anderson_darling(x, anderson_darling_options(), ad, error)
          if (.not. allocated(error)) call find_quantisation(x, moments%std, grid, error)
-         if (.not. allocated(error)) call compute_histogram(x, moments, histogram_options(step=grid%step), histogram, error)
       end associate
       if (allocated(error)) error stop error%message
       print "(a, f0.2, 2a)", "Jarque-Bera ", jb%statistic, ": ", &
          trim(judge_normality(moments%skewness, moments%kurtosis, jb%p_value))
       print "(a, f0.2)", "Anderson-Darling ", ad%modified
       print "(a, f0.3, a, i0, a)", "step ", grid%step, " on ", grid%levels, " levels"
-      do i = 1, size(histogram%count)
-         print "(f7.3, i6, f9.1)", histogram%edge(i - 1), histogram%count(i), histogram%expected(i)
-      end do
    end subroutine show
 end program example_normality

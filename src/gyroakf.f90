@@ -41,7 +41,6 @@ module gyroakf
    use gyroakf_stats_normality, only : jarque_bera_type, test_jarque_bera, judge_normality
    use gyroakf_stats_anderson_darling, only : anderson_darling_options, anderson_darling_type, &
       test_anderson_darling
-   use gyroakf_stats_histogram, only : histogram_options, histogram_type, compute_histogram
    use gyroakf_stats_welch, only : welch_options, welch_type, welch_spectrum
    ! Tests of stationarity and whiteness
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf

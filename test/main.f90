@@ -60,7 +60,6 @@ program test_main
    use test_moments, only : collect_moments
    use test_normality, only : collect_normality
    use test_anderson, only : collect_anderson
-   use test_histogram, only : collect_histogram
    use test_quantisation, only : collect_quantisation
    use test_sort, only : collect_sort
    use test_npy, only : collect_npy
@@ -166,7 +165,6 @@ program test_main
    call add("normality", collect_normality)
    call add("anderson", collect_anderson)
    call add("html", collect_html)
-   call add("histogram", collect_histogram)
    call add("quantisation", collect_quantisation)
    call add("sort", collect_sort)
    call add("npy", collect_npy)

@@ -273,7 +273,7 @@ contains
       channel%kpss%drift = 0.1_dp
    end subroutine fill_series
 
-   !> Nearly normal, in steps of half a standard deviation, every second sample tested, three bins.
+   !> Nearly normal, in steps of half a standard deviation, every second sample tested.
    subroutine fill_distribution(channel)
       type(channel_result_type), intent(inout) :: channel
 
@@ -283,17 +283,6 @@ contains
       channel%anderson_darling%p_value = 0.0668_dp
       channel%anderson_darling%samples = 5994
       channel%anderson_darling%stride = 2
-      channel%available%histogram = .true.
-      associate (histogram => channel%histogram)
-         histogram%width = 0.02_dp
-         histogram%samples = 12
-         histogram%above = 1
-         histogram%edge = [-0.03_dp, -0.01_dp, 0.01_dp, 0.03_dp]
-         histogram%count = [2_int64, 6_int64, 3_int64]
-         histogram%expected = [2.75_dp, 4.5_dp, 2.75_dp]
-         histogram%density = [8.5_dp, 25.0_dp, 12.5_dp]
-         histogram%normal_density = [11.5_dp, 17.5_dp, 11.5_dp]
-      end associate
       channel%available%quantisation = .true.
       channel%quantisation%quantised = .true.
       channel%quantisation%step = 0.0114_dp

@@ -409,7 +409,7 @@ contains
       if (allocated(failed)) deallocate (failed)
       call check_files("")
       call write_results(folder, "run", record, options, result, failed)
-      call check_files("series.csv allan.csv coefficients.csv ar_spectrum.csv correlation.csv histogram.csv spectrum.csv "// &
+      call check_files("series.csv allan.csv coefficients.csv ar_spectrum.csv correlation.csv spectrum.csv "// &
                        "report.txt results.json report.html figures/allan.svg figures/series.svg figures/filters.svg")
       if (.not. allocated(error)) call check(error, foreign_result(folder) == "", "files of a run are recognized")
       call write_bytes(folder//"/figures/allan-old.svg", read_bytes(folder//"/figures/allan.svg"))

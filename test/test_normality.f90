@@ -174,7 +174,7 @@ contains
       call test_jarque_bera(channel%cleaned, channel%jarque_bera, problem)
       channel%available%jarque_bera = .not. allocated(problem)
       call find_step(x, channel, problem)
-      if (.not. allocated(problem)) call run_distribution(x, channel%cleaned, options, channel, problem)
+      if (.not. allocated(problem)) call run_distribution(x, options, channel, problem)
       call check(error, .not. allocated(problem), "it failed")
       if (allocated(error)) return
       call check(error, channel%anderson_darling%p_value < 1.0e-20_dp, "normal by Anderson-Darling")

@@ -264,7 +264,7 @@ static int run_arrays(listener *l) {
 
 /* Stages of the whole job within which it is told how far it is. */
 static const char *const stages[] = {"stationarity test", "unit-root test", "residuals of the AR model", "normality test",
-                                     "steps of the samples", "histogram"};
+                                     "steps of the samples"};
 enum { stage_count = (int)(sizeof stages / sizeof *stages) };
 
 typedef struct stage_listener {

@@ -79,7 +79,7 @@ good "an inspection by force" inspect w.txt --out w_csv --force --quiet
 is "it removes results only" "$(cd w_csv && echo *)" "figures report.txt results.json series.csv"
 good "by force again" run w.txt --out w_csv --series-format f64 --force --quiet
 rm w_csv/series.csv
-is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv figures histogram.csv report.html report.txt results.json series.f64 spectrum.csv "
+is "an earlier run's series are gone" "$(ls w_csv | tr '\n' ' ')" "allan.csv ar_spectrum.csv coefficients.csv correlation.csv figures report.html report.txt results.json series.f64 spectrum.csv "
 good "a device is no result" run w.txt --json /dev/null
 
 # nothing half written: a full disk, a folder that is read-only, a request to end

@@ -205,7 +205,7 @@ contains
       if (allocated(error)) return
       call run_correlation(z, options, channel, error, valid, shared, progress)
       if (allocated(error)) return
-      call run_distribution(z, moments, options, channel, error, valid, progress)
+      call run_distribution(z, options, channel, error, valid, progress)
    end subroutine run_tests
 
    !> The AR model, of the whole series or of the paper's orders.

@@ -1,15 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> The distribution of one channel's samples: quantisation, normality, histogram.
+!> The distribution of one channel's samples: quantization and normality.
 module gyroakf_pipeline_channel_distribution
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : add_text
    use gyroakf_io_writer, only : format_real
-   use gyroakf_stats_moments, only : moments_type
    use gyroakf_stats_normality, only : judge_normality
    use gyroakf_stats_anderson_darling, only : test_anderson_darling, rounding_statistic
-   use gyroakf_stats_histogram, only : histogram_options, compute_histogram
    use gyroakf_stats_quantization, only : find_quantisation, coarse_ratio
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
    use gyroakf_pipeline_warnings, only : is_fatal, note_failure
@@ -43,13 +41,11 @@ contains
       call note_failure(channel, "quantisation", error)
    end subroutine find_step
 
-   !> Anderson-Darling test and histogram.
-   subroutine run_distribution(z, moments, options, channel, error, valid, progress)
+   !> Anderson-Darling test and verdict on normality.
+   subroutine run_distribution(z, options, channel, error, valid, progress)
       !> The series that is tested: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Of it
-      type(moments_type), intent(in) :: moments
-      !> Samples of the Anderson-Darling test, bins
+      !> Samples of the Anderson-Darling test
       type(pipeline_options), intent(in) :: options
       !> `quantisation` and `jarque_bera` are filled
       type(channel_result_type), intent(inout) :: channel
@@ -59,7 +55,6 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(histogram_options) :: bins
 
       call warn_coarse(channel)
       call test_anderson_darling(z, options%anderson_darling, channel%anderson_darling, error, valid, progress)
@@ -67,14 +62,6 @@ contains
       channel%available%anderson_darling = .not. allocated(error)
       call note_failure(channel, "Anderson-Darling test", error)
       call judge_distribution(channel)
-      call report_progress("histogram", 0_int64, 0_int64, error, progress)
-      if (allocated(error)) return
-      bins = options%histogram
-      bins%step = channel%quantisation%step
-      call compute_histogram(z, moments, bins, channel%histogram, error, valid)
-      if (is_fatal(error)) return
-      channel%available%histogram = .not. allocated(error)
-      call note_failure(channel, "histogram", error)
    end subroutine run_distribution
 
    !> The verdict on normality: by the Anderson-Darling test where all samples were tested and

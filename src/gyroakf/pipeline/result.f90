@@ -11,7 +11,6 @@ module gyroakf_pipeline_result
    use gyroakf_series_adf, only : adf_options, adf_type
    use gyroakf_stats_normality, only : jarque_bera_type
    use gyroakf_stats_anderson_darling, only : anderson_darling_options, anderson_darling_type
-   use gyroakf_stats_histogram, only : histogram_options, histogram_type
    use gyroakf_stats_quantization, only : quantisation_type
    use gyroakf_stats_whiteness, only : ljung_box_type
    use gyroakf_stats_correlation, only : correlation_type
@@ -89,8 +88,6 @@ module gyroakf_pipeline_result
       type(noise_options) :: noise
       !> Anderson-Darling test: longer ones are thinned
       type(anderson_darling_options) :: anderson_darling = anderson_darling_options(200000_int64)
-      !> Bins of its histogram; the step is found
-      type(histogram_options) :: histogram
       !> Lags of the Ljung-Box test
       integer :: ljung_box_lags = 20
       !> Lags of the autocorrelation and of the Ljung-Box test where they are asked for; 0: ljung_box_lags, a fifth of the samples
@@ -118,7 +115,7 @@ module gyroakf_pipeline_result
       !> The smoothed drift, and with it what is left of the record without it
       logical :: drift_smoother = .false.
       logical :: halves = .false.
-      logical :: anderson_darling = .false., histogram = .false., quantisation = .false.
+      logical :: anderson_darling = .false., quantisation = .false.
       logical :: kpss = .false., correlation = .false.
       logical :: periodicity = .false., spectrum = .false.
    end type available_type
@@ -257,7 +254,6 @@ module gyroakf_pipeline_result
       type(ljung_box_type) :: ljung_box
       !> Normality of the series that was tested
       type(anderson_darling_type) :: anderson_darling
-      type(histogram_type) :: histogram
       !> Verdict of [[judge_normality]] by the Anderson-Darling test of all samples; by Jarque-Bera
       !> where the series was thinned or rounding alone adds 0.1 or more to A2; "": not tested
       character(9) :: normality = ""

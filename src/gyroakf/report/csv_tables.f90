@@ -27,9 +27,6 @@ contains
    !> - correlation.csv: a line per channel and lag: autocorrelation, partial autocorrelation (nan
    !>   where it does not exist), the 95 % limit of white noise and Bartlett's, Ljung-Box over the lags
    !>   so far with its p, present pairs
-   !> - histogram.csv: a line per channel and bin: edges, samples, samples of the fitted normal
-   !>   distribution, and both as densities at the center; the first line of a channel counts what is
-   !>   below the bins (its lower edge is nan), the last what is above
    !> - spectrum.csv: a line per channel and frequency of Welch's spectrum of the cleaned series:
    !>   frequency in Hz (cycles per sample without a rate), two-sided density with its limits and
    !>   one-sided density in the unit of the input squared over that of the frequency, degrees of
@@ -58,7 +55,6 @@ contains
          head = "series,term,value,std_error,upper_limit_95,detected,unit,reduction_percent,"// &
             "read_off,value_si,std_error_si,upper_limit_95_si,unit_si,definition,state"
       case ("correlation.csv"); head = "lag,acf,pacf,limit,ljung_box,p_value,bartlett_limit,pairs"
-      case ("histogram.csv"); head = "lower,upper,count,expected,density,normal_density"
       case ("spectrum.csv"); head = "frequency,density_two_sided,lower,upper,density_one_sided,edf"
       case default; head = "frequency,density"
       end select
@@ -69,7 +65,7 @@ contains
          channel => result%channel(c)
          name = quoted(channel%name)
          associate (is => channel%available, welch => channel%spectrum, &
-                    bins => channel%histogram, correlation => channel%correlation)
+                    correlation => channel%correlation)
             select case (table)
             case ("allan.csv"); call put_curves()
             case ("coefficients.csv"); call put_coefficients()
@@ -83,15 +79,6 @@ contains
                                     correlation%limit(lag), correlation%ljung_box(lag), &
                                     correlation%ljung_box_p(lag), correlation%bartlett(lag), &
                                     real(correlation%pairs(lag), dp)], 8)
-            case ("histogram.csv")                         ! what is below, the bins, what is above
-               if (.not. is%histogram) cycle
-               n = size(bins%count)
-               call put_rows(name, [none, bins%edge(0), real(bins%below, dp), &
-                                    bins%expected_below, none, none], 6)
-               call put_rows(name, [bins%edge(0:n - 1), bins%edge(1:n), real(bins%count, dp), &
-                                    bins%expected, bins%density, bins%normal_density], 6)
-               call put_rows(name, [bins%edge(n), none, real(bins%above, dp), &
-                                    bins%expected_above, none, none], 6)
             case ("spectrum.csv")
                if (.not. is%spectrum) cycle
                call put_rows(name, [welch%frequency, welch%density, welch%lower, welch%upper, &

@@ -6,7 +6,6 @@ module gyroakf_report_document_distribution
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_verdicts, only : level, periodicity_text, rejection_text
-   use gyroakf_stats_histogram, only : histogram_type
    implicit none (type, external)
    private
    public :: put_preprocess, put_distribution, put_fisher, put_welch
@@ -58,7 +57,7 @@ contains
       call out%close()
    end subroutine put_preprocess
 
-   !> "normality", "anderson_darling", "histogram", "quantisation"; null where one is not available.
+   !> "normality", "anderson_darling", "quantisation"; null where one is not available.
    subroutine put_distribution(out, channel)
       !> The renderer
       class(description_type), intent(inout) :: out
@@ -77,22 +76,6 @@ contains
             call out%put("distance", channel%anderson_darling%distance)
             call out%put("samples", channel%anderson_darling%samples)
             call out%put("stride", channel%anderson_darling%stride)
-            call out%close()
-         end if
-         if (out%opens("histogram", is%histogram, shown=.false.)) then
-            call out%put("samples", channel%histogram%samples)
-            call out%put("mean", channel%histogram%mean)
-            call out%put("std", channel%histogram%std)
-            call out%put("bin_width", channel%histogram%width)
-            call out%put("bin_steps", channel%histogram%steps)
-            call out%put("bins_limited", channel%histogram%limited)
-            call out%put("below", channel%histogram%below)
-            call out%put("above", channel%histogram%above)
-            call out%put("expected_below", channel%histogram%expected_below)
-            call out%put("expected_above", channel%histogram%expected_above)
-            call out%put("edges", channel%histogram%edge)
-            call out%put("counts", real(channel%histogram%count, dp))
-            call out%put("expected", channel%histogram%expected)
             call out%close()
          end if
          if (out%opens("quantisation", is%quantisation, "Quantization", &

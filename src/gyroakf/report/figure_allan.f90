@@ -153,7 +153,7 @@ contains
       type(allan_result_type), intent(in) :: allan
       character(*), intent(in) :: label
       integer, intent(in) :: color
-      !> Default: a line
+      !> A line without it
       character(*), intent(in), optional :: style
 
       if (.not. allan%available) return

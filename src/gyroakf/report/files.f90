@@ -22,17 +22,17 @@ module gyroakf_report_files
    public :: write_results, remove_others, result_files, foreign_result, foreign_file, is_marked, series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(12) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
-      "coefficients.csv", "ar_spectrum.csv", "correlation.csv", "histogram.csv", "spectrum.csv", "report.txt", "results.json", &
+   character(16), parameter :: result_files(11) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
+      "coefficients.csv", "ar_spectrum.csv", "correlation.csv", "spectrum.csv", "report.txt", "results.json", &
       "report.html"]
 
    !> Stands in every JSON document of gyroakf
    character(*), parameter, public :: document_mark = new_line("a")//'  "program": "gyroakf"'
 
    !> What stands in the result files; of those without a mark, in results.json, which has the command line
-   character(23), parameter :: result_marks(12) = [character(23) :: "drift_akf", "--series-format", "--series-format", &
-      "channel,series,kind,tau", "channel,series,term", "channel,frequency", "channel,lag", "channel,lower,upper", &
-      "channel,frequency", document_mark, document_mark, 'content="gyroakf ']
+   character(23), parameter :: result_marks(11) = [character(23) :: "drift_akf", "--series-format", "--series-format", &
+      "channel,series,kind,tau", "channel,series,term", "channel,frequency", "channel,lag", "channel,frequency", &
+      document_mark, document_mark, 'content="gyroakf ']
    character(10), parameter :: unmarked(3) = ["series.npy", "series.f64", "report.txt"]
 
    interface
@@ -125,7 +125,7 @@ contains
    end subroutine remove_others
 
    !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves),
-   !> ar_spectrum.csv (where there are AR models), correlation.csv, histogram.csv and spectrum.csv
+   !> ar_spectrum.csv (where there are AR models), correlation.csv and spectrum.csv
    !> (where there are tests), report.txt, results.json, report.html and the figures; all appear when the last one is complete.
    !> Those that an earlier run left and this one does not write are removed.
    subroutine write_results(directory, command, record, options, result, error, output, progress, command_line, chart)
@@ -163,7 +163,7 @@ contains
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_ar, &
-                    any(result%channel%available%correlation), options%do_tests, &
+                    any(result%channel%available%correlation), &
                     options%do_tests .and. any(result%channel%available%spectrum), .true., .true., .true.]
       n = count(wanted)
       allocate (names(n + size(figures)), writer(n + size(figures)))
