@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The Python package beside allantools, statsmodels and the C call: times and differences.
+"""The Python package beside allantools, statsmodels and the C call: times and differences; its import.
 
     python bench/python.py [SAMPLES]      1e7 without it; needs gyroakf, allantools, statsmodels
 
@@ -8,7 +8,9 @@ Medians of five runs; of allantools and statsmodels the single one.
 """
 
 import ctypes
+import resource
 import statistics
+import subprocess
 import sys
 import time
 
@@ -43,7 +45,20 @@ def c_call(x):
     lib.LIBRARY.gyroakf_allan_free(handle)
 
 
+def import_seconds(modules):
+    """Processor time of a fresh interpreter, the least of seven."""
+    took = []
+    for _ in range(7):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, "-c", f"import {modules}"], check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        took.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return min(took)
+
+
 def main():
+    beyond = import_seconds("numpy, gyroakf") - import_seconds("numpy")
+    print(f"import: {1000 * beyond:.0f} ms beyond NumPy")
     n = int(float(sys.argv[1])) if len(sys.argv) > 1 else 10_000_000
     x = np.random.default_rng(1).standard_normal(n)
     c = seconds(lambda: c_call(x), 9)[0]

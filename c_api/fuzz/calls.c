@@ -191,6 +191,8 @@ static void *results(size_t bytes, int null_in) {
   return take(bytes, any_offset(), output);
 }
 
+enum { longest_series = 5000 };
+
 /* A series and its length, which is wrong only where no value can be looked at: <= 0, or beyond any memory. */
 static const double *series(int64_t *n) {
   static const int64_t wrong[] = {0, -1, INT64_MIN, INT64_MAX, ((int64_t)1 << 44) + 1};
@@ -198,7 +200,7 @@ static const double *series(int64_t *n) {
   double step = 0.0, level = one_in(4) ? 1e6 : 0.0, scale = one_in(6) ? any_double() : 1.0, value = 0.0;
   size_t offset = any_offset();
   unsigned char *data;
-  if (kind == 15 && one_in(200)) length = 5000;
+  if (kind == 15 && one_in(200)) length = longest_series;
   *n = length;
   if (one_in(40)) *n = wrong[below(5)];
   if (one_in(60)) return NULL;
@@ -613,7 +615,7 @@ static void try_record_new(int watched) {
   int status;
   for (i = 0; i < 3; i++) {
     x = series(&shorter);
-    values[i] = i == 0 || (shorter >= n && n > 0) ? x : values[0];
+    values[i] = i == 0 || (shorter >= n && n > 0 && shorter <= longest_series) ? x : values[0];
     if (i == 0) n = shorter;
     if (names) names[i] = text();
   }

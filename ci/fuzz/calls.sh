@@ -4,10 +4,9 @@
 #
 #   ci/fuzz/calls.sh [RUNS [SEED [LIBRARY]]]     200000 runs from seed 1; libgyroakf.a: fpm's, installed into build/calls
 #
-# With GYROAKF_SANITIZED_CALLS=1 a tenth of the runs is repeated with the objects of the newest sanitized build (ci/full sanitize).
-# That is not the default: the undefined-behavior sanitizer of gfortran 12 reports, and ends, a negation of the smallest integer
-# that no source line has (clean_rounds.f90). The last line is "N passed, N failed": runs, and one more for the table of functions,
-# which has to name all that the header declares.
+# With GYROAKF_SANITIZED_CALLS=1, as ci/full has it, a tenth of the runs is repeated with the objects of the newest sanitized build (ci/full
+# sanitize). The last line is "N passed, N failed": runs, and one more for the table of functions, which has to name all that the
+# header declares.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 runs=${1-200000}
