@@ -540,8 +540,8 @@ GYROAKF_API int gyroakf_filter_new(int32_t p, const double *phi, double q, doubl
 /*
  * The filter that the program makes for a series (gyroakf_run, the command run): its model is identified, its start, its bounds and
  * scales are set.
- *   kind  "kf", "akf": the paper's Kalman and adaptive Kalman filter of the AR model of the cleaned series (gyroakf_clean with its
- *         defaults); "drift_kf", "drift_akf": those of the drift
+ *   kind  "kf", "akf": the paper's Kalman and adaptive Kalman filter of the AR model of the cleaned series, which take that
+ *         (gyroakf_clean with its defaults); "drift_kf", "drift_akf": those of the drift, which take the series with its trend
  *   x     [n] series, u, n >= 10; NaN: missing
  *   dt    sample interval, s, 1e-100 .. 1e100
  *   opt   preset, progress and progress_user count; may be NULL

@@ -206,8 +206,8 @@ def identify_filter(
     data, rate, column, progress
         As of `allan`.
     kind : {"kf", "akf", "drift_kf", "drift_akf"}
-        The paper's Kalman and adaptive Kalman filter of the AR model of the cleaned series, or
-        those of the drift.
+        The paper's Kalman and adaptive Kalman filter, which take the series of `clean`, without
+        its trend; or those of the drift, which take the series with its trend.
     preset : {"default", "paper"}, optional
         As the program's ``--preset``.
 
