@@ -67,7 +67,7 @@ import gyroakf
 print(open(\"/proc/self/maps\").read())' | grep -E '/usr/lib.*(gfortran|gomp|quadmath|lapack|blas)'"
 venv "$empty" pytest hypothesis allantools pandas matplotlib \
   rosbags pyulog pymavlink scipy h5py pyarrow distributed nbval ipykernel
-ok "the notebook has the outputs that it shows" "$empty/bin/python" -m pytest -q -p no:cacheprovider --nbval --nbval-current-env python/howto.ipynb
+ok "the notebook has the outputs that it shows" "$empty/bin/python" -m pytest -q -p no:cacheprovider --nbval --nbval-current-env example/howto.ipynb
 tests "$empty" >build/wheel/tests
 sed '$d' build/wheel/tests
 read -r p f < <(sed -nE '$s/^([0-9]+) passed, ([0-9]+) failed$/\1 \2/p' build/wheel/tests)
