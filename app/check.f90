@@ -4,7 +4,8 @@ module gyroakf_app_check
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_reader, only : reader_options
    use gyroakf_io_writer, only : is_file
-   use gyroakf_report_files, only : after_dots, document_mark, foreign_file, foreign_result, is_marked, is_same_file, result_files
+   use gyroakf_report_files, only : after_dots, document_mark, foreign_file, &
+      foreign_result, is_marked, is_same_file, result_files
    use gyroakf_report_kalibr, only : kalibr_mark
    use gyroakf_units, only : unit_type, is_integral, parse_units, quantity
    use gyroakf_app_config, only : config_type, file_options, has_many_files, is_analysis, reads_files

@@ -11,6 +11,7 @@ from typing import Any, Dict, Optional, Sequence, Union
 import numpy as np
 
 from . import _library as lib
+from ._errors import InvalidArgumentError
 from ._recording import Column, sampled
 from ._results import Result
 
@@ -172,7 +173,7 @@ def allan(
     column : int or str, optional
         Channel of a recording of several.
     unit : str, optional
-        Unit of the samples; that of the recording.
+        Unit of the samples of an array.
     kind : {"oadev", "adev", "mdev", "tdev", "hdev", "ohdev", "totdev"}, optional
         The statistic; the overlapping Allan deviation without it.
     taus : str or sequence of float, optional
@@ -199,6 +200,8 @@ def allan(
     0.005009 ± 1.9e-05 deg/s sqrt(s)
     """
     x, dt, known = sampled(data, rate, column)
+    if unit and known not in ("", unit):
+        raise InvalidArgumentError(f"`unit` is {unit!r}, that of the recording {known!r}")
     times = (
         taus
         if taus is None or isinstance(taus, str)

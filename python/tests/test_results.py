@@ -215,3 +215,11 @@ def test_limits_and_filters_are_those_of_the_program(example, tmp_path):
         assert kalman.state.r == channel["filters"][kind]["r"]
     with pytest.raises(gyroakf.InvalidArgumentError):
         gyroakf.identify_filter(log, "kalman")
+
+
+def test_a_unit_names_that_of_an_array_and_converts_nothing():
+    log = gyroakf.simulate(1000, n=0.005)
+    assert gyroakf.allan(log["gx"], rate=log.rate, unit="rad/s").unit == "rad/s"
+    assert gyroakf.allan(log, unit="deg/s").unit == "deg/s"
+    with pytest.raises(gyroakf.InvalidArgumentError, match="rad/s"):
+        gyroakf.allan(log, unit="rad/s")

@@ -8,11 +8,12 @@
 !> The numbers of the codes are part of the C interface (`enum gyroakf_status`): never renumbered,
 !> new ones at the end.
 module gyroakf_error
-   use, intrinsic :: iso_fortran_env, only : real64
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
+   use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: error_type, fatal_error, check_sample_interval, status, status_texts, status_text, exit_code
+   public :: error_type, fatal_error, check_sample_interval
+   public :: status, status_texts, status_text, exit_code
 
    !> What went wrong
    type :: error_type
@@ -95,18 +96,18 @@ contains
       error%message = message
    end subroutine fatal_error
 
-   !> A sample interval must be a number whose cube is one too: 1e-100 .. 1e100 s.
+   !> Refuses a sample interval whose cube, or that of its inverse, is no number: outside 1e-100 .. 1e100 s.
    pure subroutine check_sample_interval(dt, error)
       !> Seconds; NaN is refused
-      real(real64), intent(in) :: dt
+      real(dp), intent(in) :: dt
       !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
       logical :: good
 
       good = ieee_is_finite(dt)
-      if (good) good = dt >= 1e-100_real64 .and. dt <= 1e100_real64
+      if (good) good = dt >= 1e-100_dp .and. dt <= 1e100_dp
       if (.not. good) call fatal_error(error, status%invalid_argument, &
-         & "the sample interval (dt) must be a number of seconds above 0, 1e-100 .. 1e100")
+         & "the sample interval (dt) must lie between 1e-100 and 1e100 s")
    end subroutine check_sample_interval
 
    !> A component of [[gyroakf_error:status]].

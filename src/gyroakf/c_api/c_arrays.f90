@@ -53,7 +53,8 @@ contains
       character(:), allocatable :: unit_text
 
       call enter_library(c, progress, progress_user)
-      call new_handle(handle, c_associated(values), "the channels (values) must not be NULL", error, out)
+      call new_handle(handle, c_associated(values), "the channels (values) must not be NULL", &
+         & error, out)
       if (.not. allocated(error) .and. (channels < 1 .or. channels > most_channels .or. n < 1 .or. n > max_samples)) then
          call fatal_error(error, status%invalid_argument, "a recording has 1 .. 100000 channels of 1 .. 2**44 samples")
       end if

@@ -288,7 +288,9 @@ contains
 
       nullify (handle)
       call check_place(present(out), "result (out)", error)
-      if (.not. (allocated(error) .or. good)) call fatal_error(error, status%invalid_argument, needed)
+      if (.not. (allocated(error) .or. good)) then
+         call fatal_error(error, status%invalid_argument, needed)
+      end if
       stat = 0
       if (.not. allocated(error)) allocate (handle, stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a recording")
