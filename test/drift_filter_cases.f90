@@ -2,16 +2,14 @@
 !> Models, options and series for the tests of the drift filter.
 module drift_filter_cases
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type
    use filter_library, only : fill_noise
-   use expectations, only : check
-   use testdrive, only : error_type
+   use expectations, only : failure => problem, went_wrong
    implicit none (type, external)
    private
-   public :: rounding, some_model, adaptive, make, make_data
+   public :: rounding, some_model, adaptive, not_made, make_data
 
    !> The same numbers in another order of operations
    real(dp), parameter :: rounding = 1.0e-12_dp
@@ -40,17 +38,15 @@ contains
    end function adaptive
 
    !> A filter that must come about.
-   subroutine make(filter, model, slow, options, error)
+   logical function not_made(filter, model, slow, options)
       type(filter_type), intent(out) :: filter
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
       type(filter_options), intent(in) :: options
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
 
       call new_drift_filter(filter, model, slow, options, failure)
-      if (allocated(failure)) call check(error, .false., failure%message)
-   end subroutine make
+      not_made = went_wrong(failure)
+   end function not_made
 
    !> A series of the model, with a level.
    subroutine make_data(seed, model, z, drift)

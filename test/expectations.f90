@@ -1,19 +1,79 @@
 ! SPDX-License-Identifier: MIT
-!> What the suites expect. A check after one that failed does nothing: the first failure is the one that is told.
+!> Tests by name, and what they expect. A check after one that failed does nothing: the first failure of a test is
+!> the one that is told.
 module expectations
+   use, intrinsic :: iso_fortran_env, only : output_unit
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_kinds, only : dp, int64
-   use testdrive, only : error_type, test_check => check
+   use testdrive, only : error_type, get_argument, test_check => check
    implicit none (type, external)
    private
-   public :: check, agree, check_refused
+   public :: test, error, problem, check, unmet, agree, check_refused, went_wrong
+   public :: test_interface, is_wanted, total, failures
+
+   abstract interface
+      !> Runs the tests of a suite, or one test
+      subroutine test_interface()
+         implicit none (type, external)
+      end subroutine test_interface
+
+   end interface
+
+   !> First failure of the test that runs
+   type(error_type), allocatable :: error
+   !> What the library said last in the test that runs
+   type(gyro_error), allocatable :: problem
+   !> Tests that ran, and those of them that failed
+   integer :: total = 0, failures = 0
 
    !> Fails unless an expression is true, or a value is the expected one
    interface check
       module procedure check_logical, check_real, check_integer, check_long, check_text
    end interface check
 
+   !> Checks the same; whether the test has failed
+   interface unmet
+      module procedure unmet_logical, unmet_integer, unmet_long, unmet_text
+   end interface unmet
+
 contains
+
+   !> Runs a test, unless the command line asks for another one.
+   subroutine test(name, run)
+      !> Name of the test
+      character(*), intent(in) :: name
+      !> The test, which leaves its first failure in `error`
+      procedure(test_interface) :: run
+
+      if (.not. is_wanted(2, name)) return
+      total = total + 1
+      write (output_unit, "(a)") "  Starting "//name//" ..."
+      flush (output_unit)
+      if (allocated(problem)) deallocate (problem)
+      call run()
+      write (output_unit, "(a)") "       ... "//name//merge(" [FAILED]", " [PASSED]", allocated(error))
+      if (allocated(error)) then
+         failures = failures + 1
+         write (output_unit, "(a)") "  Message: "//error%message
+         error%stat = 0
+         deallocate (error)
+      end if
+      flush (output_unit)
+   end subroutine test
+
+   !> Whether an argument of the command line is this name, or is not there.
+   logical function is_wanted(place, name)
+      !> Which argument
+      integer, intent(in) :: place
+      !> What it may be
+      character(*), intent(in) :: name
+
+      character(:), allocatable :: wanted
+
+      call get_argument(place, wanted)
+      is_wanted = .true.
+      if (allocated(wanted)) is_wanted = wanted == name
+   end function is_wanted
 
    subroutine check_logical(error, expression, message, more)
       type(error_type), allocatable, intent(inout) :: error
@@ -58,9 +118,40 @@ contains
       if (.not. allocated(error)) call test_check(error, actual, expected, message, more)
    end subroutine check_text
 
+   logical function unmet_logical(expression, message, more) result(unmet)
+      logical, intent(in) :: expression
+      character(*), intent(in), optional :: message, more
+
+      call check(error, expression, message, more)
+      unmet = allocated(error)
+   end function unmet_logical
+
+   logical function unmet_integer(actual, expected, message, more) result(unmet)
+      integer, intent(in) :: actual, expected
+      character(*), intent(in), optional :: message, more
+
+      call check(error, actual, expected, message, more)
+      unmet = allocated(error)
+   end function unmet_integer
+
+   logical function unmet_long(actual, expected, message, more) result(unmet)
+      integer(int64), intent(in) :: actual, expected
+      character(*), intent(in), optional :: message, more
+
+      call check(error, actual, expected, message, more)
+      unmet = allocated(error)
+   end function unmet_long
+
+   logical function unmet_text(actual, expected, message, more) result(unmet)
+      character(*), intent(in) :: actual, expected
+      character(*), intent(in), optional :: message, more
+
+      call check(error, actual, expected, message, more)
+      unmet = allocated(error)
+   end function unmet_text
+
    !> Fails unless actual agrees with expected, relatively.
-   subroutine agree(error, actual, expected, allowed, what)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine agree(actual, expected, allowed, what)
       !> What came out, what should, the relative error allowed
       real(dp), intent(in) :: actual(:), expected(:), allowed
       !> Name
@@ -78,16 +169,26 @@ contains
    end subroutine agree
 
    !> Fails unless the library refused, with this code.
-   subroutine check_refused(error, problem, code)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_refused(said, code)
       !> What the library said
-      type(gyro_error), allocatable, intent(in) :: problem
+      type(gyro_error), allocatable, intent(in) :: said
       !> What it should have said, one of `status`
       integer, intent(in) :: code
 
-      call check(error, allocated(problem), "bad input was accepted")
+      call check(error, allocated(said), "bad input was accepted")
       if (allocated(error)) return
-      call check(error, problem%code, code, problem%message)
+      call check(error, said%code, code, said%message)
    end subroutine check_refused
+
+   !> Whether the test has failed; it fails where the library says that something is wrong.
+   logical function went_wrong(said, what)
+      !> What the library said
+      type(gyro_error), allocatable, intent(in) :: said
+      !> Which case it is
+      character(*), intent(in), optional :: what
+
+      if (allocated(said)) call check(error, .false., said%message, what)
+      went_wrong = allocated(error)
+   end function went_wrong
 
 end module expectations

@@ -2,21 +2,18 @@
 !> Records of known noise, and their fits.
 module noise_fit_runs
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use allan_series, only : flicker_of, normal_series, walk_of
-   use expectations, only : check
-   use testdrive, only : error_type
+   use expectations, only : failure => problem, went_wrong
    implicit none (type, external)
    private
-   public :: fit_record, mixed_record, correlated
+   public :: not_fitted, mixed_record, correlated
 
 contains
 
    !> Fits a record; on failure of the library the test fails.
-   subroutine fit_record(error, rate, interval, options, curve, noise, valid)
-      type(error_type), allocatable, intent(out) :: error
+   logical function not_fitted(rate, interval, options, curve, noise, valid)
       !> The record
       real(dp), intent(in), contiguous :: rate(:)
       real(dp), intent(in) :: interval
@@ -28,7 +25,6 @@ contains
       integer(int8), intent(in), optional :: valid(:)
 
       type(allan_options) :: grid
-      type(gyro_error), allocatable :: failure
 
       if (present(valid)) then
          call compute_allan(rate, interval, grid, curve, failure, valid)
@@ -36,8 +32,8 @@ contains
          call compute_allan(rate, interval, grid, curve, failure)
       end if
       if (.not. allocated(failure)) call fit_noise(curve, options, noise, failure)
-      if (allocated(failure)) call check(error, .false., failure%message)
-   end subroutine fit_record
+      not_fitted = went_wrong(failure)
+   end function not_fitted
 
    !> N = 1, B = 0.1, K = 0.01 at unit interval.
    function mixed_record(n) result(rate)
@@ -62,5 +58,4 @@ contains
          rate(i) = phi*rate(i - 1) + rate(i)
       end do
    end function correlated
-
 end module noise_fit_runs

@@ -13,12 +13,14 @@ module scratch_file
          implicit none (type, external)
          integer(c_int) :: process
       end function c_getpid
+
       function c_rmdir(path) result(failed) bind(C, name="rmdir")
          import :: c_char, c_int
          implicit none (type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int) :: failed
       end function c_rmdir
+
    end interface
 
 contains

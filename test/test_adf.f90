@@ -3,19 +3,18 @@
 !> (integer cross products of the doubles of the series, 60 digits) and rounded once; series of
 !> series_library, 1000 samples each, at most 22 lags: adf_reference.
 module test_adf
-   use expectations, only : check, check_refused
+   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_lapack, only : dgels
    use gyroakf_series_mackinnon, only : critical_values, p_value
    use gyroakf_series_adf, only : adf_options, adf_type, default_max_lags, run_adf => test_adf
    use series_library, only : reference_series, reference_names
    use adf_reference, only : exact_lag, exact_statistic, exact_level, exact_variance, exact_p, exact_criterion
-   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
-   public :: collect_adf
+   public :: suite_adf
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
    !> Of p-values: in the tail a change of the statistic changes p by a hundred times as much, both relative
@@ -38,29 +37,25 @@ module test_adf
 
 contains
 
-   subroutine collect_adf(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("mackinnon", test_mackinnon), &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("long", test_long), &
-         & new_unittest("dense", test_dense), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("large_offset", test_large_offset), &
-         & new_unittest("threads", test_threads), &
-         & new_unittest("verdict", test_verdict), &
-         & new_unittest("most_lags", test_most_lags), &
-         & new_unittest("short", test_short), &
-         & new_unittest("degenerate", test_degenerate), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_adf
+   subroutine suite_adf()
+      call test("mackinnon", test_mackinnon)
+      call test("by_hand", test_by_hand)
+      call test("reference", test_reference)
+      call test("long", test_long)
+      call test("dense", test_dense)
+      call test("missing", test_missing)
+      call test("offset_scale", test_offset_scale)
+      call test("large_offset", test_large_offset)
+      call test("threads", test_threads)
+      call test("verdict", test_verdict)
+      call test("most_lags", test_most_lags)
+      call test("short", test_short)
+      call test("degenerate", test_degenerate)
+      call test("failures", test_failures)
+   end subroutine suite_adf
 
    !> Spot values of both response surfaces; the p-value on both sides of its seam and beyond its ends.
-   subroutine test_mackinnon(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_mackinnon()
       real(dp) :: p(7)
 
       p = [p_value(-2.86_dp, 2), p_value(-3.5_dp, 3), p_value(-6.0_dp, 4), p_value(3.0_dp, 1), p_value(-25.0_dp, 2), &
@@ -77,23 +72,18 @@ contains
 
    !> 1 2 1 3 1, no constant, no lag: levels 1 2 1 3, differences 1 -1 2 -2; rho = -5/15,
    !> RSS = 10 - 25/15, t = rho sqrt(15)/sqrt(RSS/3).
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
 
       call run_adf([1.0_dp, 2.0_dp, 1.0_dp, 3.0_dp, 1.0_dp], adf_options(regression="n", lags=0), adf, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, adf%statistic, -sqrt(15.0_dp)/3.0_dp/sqrt((10.0_dp - 5.0_dp/3.0_dp)/3.0_dp), thr=tolerance)
       call check(error, adf%observations == 4_int64 .and. adf%lag == 0, "rows or lag")
    end subroutine test_by_hand
 
    !> Eleven series, four regressions, three criteria: the lag, the statistic to 1e-12, the p-value.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       type(adf_options) :: options
       character(40) :: what
       integer :: i, j, k
@@ -105,13 +95,12 @@ contains
                options = adf_options(regression=regressions(j), criterion=criteria(min(k, 3)))
                if (k > 3) options%lags = exact_lag(k, j, i)
                call run_adf(reference_series(trim(reference_names(i)), 1000), options, adf, problem)
-               call check(error, .not. allocated(problem), what)
-               if (allocated(error)) return
+               if (went_wrong(problem, what)) return
                call check(error, adf%lag == exact_lag(k, j, i) .and. adf%observations == 999 - adf%lag, what)
-               call close_to(error, adf%statistic, exact_statistic(k, j, i), tolerance, what)
-               call same(error, [adf%level, adf%noise_variance], [exact_level(k, j, i), exact_variance(k, j, i)], tolerance, what)
-               call same(error, [adf%p_value], [exact_p(k, j, i)], tail_tolerance, "p-value of "//what)
-               if (k <= 3) call same(error, [adf%criterion_value], [exact_criterion(k, j, i)], &
+               call close_to(adf%statistic, exact_statistic(k, j, i), tolerance, what)
+               call same([adf%level, adf%noise_variance], [exact_level(k, j, i), exact_variance(k, j, i)], tolerance, what)
+               call same([adf%p_value], [exact_p(k, j, i)], tail_tolerance, "p-value of "//what)
+               if (k <= 3) call same([adf%criterion_value], [exact_criterion(k, j, i)], &
                                        merge(small_difference, tolerance, k == 3), "criterion of "//what)
             end do
          end do
@@ -119,27 +108,23 @@ contains
    end subroutine test_reference
 
    !> 12,000 samples, AIC.
-   subroutine test_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       integer :: i, j
 
       do i = 1, 3
          do j = 1, 4
             call run_adf(reference_series(trim(long_names(i)), 12000), adf_options(regression=regressions(j)), adf, problem)
-            call check(error, .not. allocated(problem), long_names(i))
-            if (allocated(error)) return
+            if (went_wrong(problem, long_names(i))) return
             call check(error, adf%lag, long_lag(j, i), long_names(i))
-            call close_to(error, adf%statistic, long_statistic(j, i), tolerance, long_names(i))
-            call same(error, [adf%p_value], [long_p(j, i)], tail_tolerance, long_names(i))
+            call close_to(adf%statistic, long_statistic(j, i), tolerance, long_names(i))
+            call same([adf%p_value], [long_p(j, i)], tail_tolerance, long_names(i))
          end do
       end do
    end subroutine test_long
 
    !> Relative to the value, however small it is.
-   subroutine same(error, actual, expected, allowed, what)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine same(actual, expected, allowed, what)
       !> What came out, what should
       real(dp), intent(in) :: actual(:), expected(:)
       !> How far off it may be
@@ -156,8 +141,7 @@ contains
    end subroutine same
 
    !> Relative to the larger of 1 and the value.
-   subroutine close_to(error, actual, expected, allowed, what)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine close_to(actual, expected, allowed, what)
       !> What came out, what should, how far off it may be
       real(dp), intent(in) :: actual, expected, allowed
       !> Which
@@ -201,11 +185,9 @@ contains
    end function dense_statistic
 
    !> Against the dense regression, lengths around the blocks.
-   subroutine test_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_dense()
       integer, parameter :: length(4) = [60, 4097, 8200, 5001], lags(4) = [20, 3, 9, 60]
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       integer :: i, j
@@ -215,19 +197,16 @@ contains
          valid = [(1_int8, j=1, length(i))]
          do j = 1, 4
             call run_adf(x, adf_options(regression=regressions(j), lags=lags(i)), adf, problem)
-            call check(error, .not. allocated(problem), "it failed")
-            if (allocated(error)) return
-            call close_to(error, adf%statistic, dense_statistic(x, j - 1, lags(i), valid), 1.0e-11_dp, regressions(j))
+            if (went_wrong(problem)) return
+            call close_to(adf%statistic, dense_statistic(x, j - 1, lags(i), valid), 1.0e-11_dp, regressions(j))
          end do
       end do
    end subroutine test_dense
 
    !> With gaps: complete rows only, against the dense regression; what a gap holds does not matter;
    !> the lag is chosen so that rows are left.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       integer :: i, j
@@ -240,66 +219,56 @@ contains
          where (valid == 0_int8) x = -1.0e4_dp
          do j = 1, 4
             call run_adf(x, adf_options(regression=regressions(j), lags=7), adf, problem, valid)
-            call check(error, .not. allocated(problem), "it failed")
-            if (allocated(error)) return
-            call close_to(error, adf%statistic, dense_statistic(x, j - 1, 7, valid), 1.0e-11_dp, regressions(j))
+            if (went_wrong(problem)) return
+            call close_to(adf%statistic, dense_statistic(x, j - 1, 7, valid), 1.0e-11_dp, regressions(j))
          end do
          call run_adf(x, adf_options(), adf, problem, valid)
-         call check(error, .not. allocated(problem), "the lag was not chosen")
-         if (allocated(error)) return
-         call close_to(error, adf%statistic, dense_statistic(x, 1, adf%lag, valid), 1.0e-11_dp, "chosen lag")
+         if (went_wrong(problem, "the lag was not chosen")) return
+         call close_to(adf%statistic, dense_statistic(x, 1, adf%lag, valid), 1.0e-11_dp, "chosen lag")
       end do
       valid = 1_int8
       x = reference_series("ar1", 1000)
       call run_adf(x, adf_options(), adf, problem, valid(:1000))
-      call close_to(error, adf%statistic, -11.23935537241675_dp, tolerance, "all present")
+      call close_to(adf%statistic, -11.23935537241675_dp, tolerance, "all present")
    end subroutine test_missing
 
    !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024: the same lag and statistic.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(adf_type) :: a, b
       real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
       integer :: j
 
       x = anint(1024.0_dp*reference_series("ar1_99", 6000))/1024.0_dp
       do j = 2, 4
          call run_adf(x, adf_options(regression=regressions(j)), a, problem)
          call run_adf((x + 2.0_dp**40)*2.0_dp**(-50), adf_options(regression=regressions(j)), b, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, a%lag, b%lag)
-         call close_to(error, b%statistic, a%statistic, 1.0e-11_dp, regressions(j))
+         call close_to(b%statistic, a%statistic, 1.0e-11_dp, regressions(j))
       end do
       call run_adf(x, adf_options(regression="n"), a, problem)
       call run_adf(-x*2.0_dp**100, adf_options(regression="n"), b, problem)
-      call close_to(error, b%statistic, a%statistic, tolerance, "n")
+      call close_to(b%statistic, a%statistic, tolerance, "n")
    end subroutine test_offset_scale
 
    !> 1e6 + 1e-3 ar1: the doubles hold 7 digits of the signal, and so does the statistic.
-   subroutine test_large_offset(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_large_offset()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       integer :: j
 
       do j = 2, 4
          call run_adf(1.0e6_dp + 1.0e-3_dp*reference_series("ar1", 1000), adf_options(regression=regressions(j)), adf, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, adf%lag, 5)
-         call close_to(error, adf%statistic, exact_statistic(1, j, 5), 1.0e-7_dp, regressions(j))
+         call close_to(adf%statistic, exact_statistic(1, j, 5), 1.0e-7_dp, regressions(j))
       end do
    end subroutine test_large_offset
 
    !> One and two threads give the same bits.
-   subroutine test_threads(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_threads()
       type(adf_type) :: a, b
       real(dp), allocatable :: x(:)
       integer :: before
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("ar1", 70000)
       before = thread_count()
@@ -308,16 +277,13 @@ contains
       call set_thread_count(2)
       call run_adf(x, adf_options(max_lags=10), b, problem)
       call set_thread_count(before)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, a%statistic, b%statistic, thr=tiny(x))
    end subroutine test_threads
 
    !> The verdict is the right way round.
-   subroutine test_verdict(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_verdict()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
 
       call run_adf(reference_series("ar1", 1000), adf_options(), adf, problem)
       call check(error, adf%stationary .and. adf%p_value < 0.01_dp, "AR(1) is stationary")
@@ -326,8 +292,7 @@ contains
    end subroutine test_verdict
 
    !> ceiling(12 (n/100)^(1/4)), less for short series and for gaps.
-   subroutine test_most_lags(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_most_lags()
       integer(int64), parameter :: length(6) = [1000_int64, 12000_int64, 100000000_int64, 20_int64, 4_int64, 100_int64]
       integer, parameter :: terms(6) = [1, 1, 1, 1, 3, 1], asked(6) = [-1, -1, -1, -1, -1, 70]
       integer(int8) :: valid(1000)
@@ -344,12 +309,10 @@ contains
    end subroutine test_most_lags
 
    !> The lag is chosen for every series that lag 0 can be tested of: the most lags leave more rows than regressors.
-   subroutine test_short(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_short()
       real(dp) :: x(30)
       integer(int8) :: valid(30)
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       integer :: n, i
 
       x = reference_series("wn", 30)
@@ -357,57 +320,52 @@ contains
       do n = 6, 30
          call run_adf(x(:n), adf_options(regression="n"), adf, problem)
          if (.not. allocated(problem) .and. n >= 9) call run_adf(x(:n), adf_options(), adf, problem, valid(:n))
-         call check(error, .not. allocated(problem), "a short series, or one with gaps, is tested with fewer lags")
-         if (allocated(error)) return
+         if (went_wrong(problem, "a short series, or one with gaps, is tested with fewer lags")) return
       end do
       call run_adf(x(:8), adf_options(regression="n", lags=3), adf, problem)
-      call check(error, allocated(problem), "4 rows are too few for 4 regressors")
-      if (allocated(error)) return
+      if (unmet(allocated(problem), "4 rows are too few for 4 regressors")) return
       call check(error, index(problem%message, "there are 4") > 0, "the rows are told: "//problem%message)
    end subroutine test_short
 
    !> Constant, perfect line, perfect prediction: a status, no number.
-   subroutine test_degenerate(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_degenerate()
       real(dp) :: x(200)
       integer :: i
 
       x = 1234.1_dp
-      call refused(error, x, adf_options(), status%constant_input)
+      call refused(x, adf_options(), status%constant_input)
       x = [(1.1_dp + 0.1_dp*real(i, dp), i=1, 200)]
-      call refused(error, x, adf_options(regression="ct"), status%constant_input)
-      call refused(error, x, adf_options(), status%singular)
+      call refused(x, adf_options(regression="ct"), status%constant_input)
+      call refused(x, adf_options(), status%singular)
       x = [(sin(real(i, dp)), i=1, 200)]
-      call refused(error, x, adf_options(lags=4), status%singular)
+      call refused(x, adf_options(lags=4), status%singular)
       x = [(real(2*mod(i, 2) - 1, dp), i=1, 200)]
-      call refused(error, x, adf_options(lags=0), status%singular)
+      call refused(x, adf_options(lags=0), status%singular)
    end subroutine test_degenerate
 
    !> Each other error.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(30)
       integer(int8) :: valid(30)
 
       x = reference_series("wn", 30)
       valid = 1_int8
       valid(3::4) = 0_int8
-      call refused(error, x, adf_options(regression="tc"), status%invalid_argument)
-      call refused(error, x, adf_options(criterion="fpe"), status%invalid_argument)
-      call refused(error, x, adf_options(lags=-2), status%invalid_argument)
-      call refused(error, x, adf_options(lags=14), status%too_few_samples)
-      call refused(error, x, adf_options(lags=29), status%too_few_samples)
-      call refused(error, x, adf_options(lags=huge(1)), status%too_few_samples)
-      call refused(error, x(:4), adf_options(), status%too_few_samples)
-      call refused(error, x, adf_options(lags=4), status%too_few_samples, valid)
-      call refused(error, x, adf_options(), status%invalid_argument, valid(:7))
+      call refused(x, adf_options(regression="tc"), status%invalid_argument)
+      call refused(x, adf_options(criterion="fpe"), status%invalid_argument)
+      call refused(x, adf_options(lags=-2), status%invalid_argument)
+      call refused(x, adf_options(lags=14), status%too_few_samples)
+      call refused(x, adf_options(lags=29), status%too_few_samples)
+      call refused(x, adf_options(lags=huge(1)), status%too_few_samples)
+      call refused(x(:4), adf_options(), status%too_few_samples)
+      call refused(x, adf_options(lags=4), status%too_few_samples, valid)
+      call refused(x, adf_options(), status%invalid_argument, valid(:7))
       valid = 0_int8
-      call refused(error, x, adf_options(), status%too_few_samples, valid)
+      call refused(x, adf_options(), status%too_few_samples, valid)
    end subroutine test_failures
 
    !> Fails unless the test is refused with the code.
-   subroutine refused(error, x, options, code, valid)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine refused(x, options, code, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Options
@@ -417,10 +375,9 @@ contains
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
 
       call run_adf(x, options, adf, problem, valid)
-      call check_refused(error, problem, code)
+      call check_refused(problem, code)
    end subroutine refused
 
 end module test_adf

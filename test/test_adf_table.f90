@@ -3,7 +3,7 @@
 !> where the sums of products have lost their digits, lags that are capped, progress.
 module test_adf_table
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_lapack, only : dgels, dtrtri
    use gyroakf_progress, only : progress_type
    use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, &
@@ -12,11 +12,10 @@ module test_adf_table
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_series_adf, only : adf_options, adf_type, run_adf => test_adf
    use series_library, only : reference_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_adf_table
+   public :: suite_adf_table
 
    character(3), parameter :: regressions(4) = [character(3) :: "n", "c", "ct", "ctt"]
 
@@ -29,30 +28,25 @@ module test_adf_table
 
 contains
 
-   subroutine collect_adf_table(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("dense", test_dense), &
-         & new_unittest("offset", test_offset), &
-         & new_unittest("only_when_asked", test_only_when_asked), &
-         & new_unittest("shared", test_shared), &
-         & new_unittest("shared_alone", test_shared_alone), &
-         & new_unittest("rows", test_rows), &
-         & new_unittest("perfect", test_perfect), &
-         & new_unittest("many_gaps", test_many_gaps), &
-         & new_unittest("capped", test_capped), &
-         & new_unittest("non_finite", test_non_finite), &
-         & new_unittest("cancel", test_cancel)]
-   end subroutine collect_adf_table
+   subroutine suite_adf_table()
+      call test("by_hand", test_by_hand)
+      call test("dense", test_dense)
+      call test("offset", test_offset)
+      call test("only_when_asked", test_only_when_asked)
+      call test("shared", test_shared)
+      call test("shared_alone", test_shared_alone)
+      call test("rows", test_rows)
+      call test("perfect", test_perfect)
+      call test("many_gaps", test_many_gaps)
+      call test("capped", test_capped)
+      call test("non_finite", test_non_finite)
+      call test("cancel", test_cancel)
+   end subroutine suite_adf_table
 
    !> x = 0 1 0 2 1 3, no lags, constant: d = 1 -1 2 -1 2 on levels 0 1 0 2 1: slope (sum dl - 5 mean mean)/(sum ll - ...)
    !> = (-2 - 2.4)... level mean 0.8, d mean 0.6; Sll = 6 - 3.2 = 2.8, Sld = -1 - 2.4 + 2 = -1.4 => -0.5, constant 1.
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), parameter :: x(6) = [0.0_dp, 1.0_dp, 0.0_dp, 2.0_dp, 1.0_dp, 3.0_dp]
       real(dp) :: d(5), l(5), slope, constant, rss
 
@@ -62,8 +56,7 @@ contains
       constant = (sum(d) - slope*sum(l))/5.0_dp
       rss = sum((d - constant - slope*l)**2)/3.0_dp
       call run_adf(x, adf_options(lags=0, table=.true.), adf, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, adf%table(1)%name == "constant" .and. adf%table(2)%name == "level", "names")
       call check(error, maxval(abs(adf%table(:)%value - [constant, slope])), 0.0_dp, thr=1.0e-14_dp)
       call check(error, adf%table(2)%std_error, sqrt(rss/(dot_product(l, l) - sum(l)**2/5.0_dp)), thr=1.0e-14_dp)
@@ -104,12 +97,10 @@ contains
 
    !> Against the dense regression: a slope, a length where the trend is looked at roughly, gaps. 1e-9: the columns 1, s, s^2
    !> of the dense one cost it digits.
-   subroutine test_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_dense()
       integer, parameter :: length(3) = [300, 4500, 9001], lags(3) = [4, 9, 2]
       real(dp), parameter :: allowed = 1.0e-9_dp
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:), value(:), std_error(:)
       integer(int8), allocatable :: valid(:)
       integer :: i, j
@@ -123,8 +114,7 @@ contains
             call solve_dense(x, j - 1, lags(i), valid, value, std_error)
             if (i == 1) call run_adf(x, adf_options(regressions(j), lags(i), table=.true.), adf, problem)
             if (i > 1) call run_adf(x, adf_options(regressions(j), lags(i), table=.true.), adf, problem, valid)
-            call check(error, .not. allocated(problem), "it failed")
-            if (allocated(error)) return
+            if (went_wrong(problem)) return
             call check(error, maxval(abs(adf%table%value - value)/std_error), 0.0_dp, thr=allowed)
             call check(error, maxval(abs(adf%table%std_error/std_error - 1.0_dp)), 0.0_dp, thr=allowed)
             call check(error, maxval(abs(adf%table%t - value/std_error)), 0.0_dp, thr=1.0e-7_dp)
@@ -135,28 +125,23 @@ contains
    end subroutine test_dense
 
    !> x + c: the constant is less by rho c, all else stays.
-   subroutine test_offset(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset()
       type(adf_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), parameter :: c = 1048576.0_dp
       real(dp), allocatable :: x(:)
 
       x = anint(1024.0_dp*reference_series("ar1", 2000))/1024.0_dp
       call run_adf(x, adf_options("ct", 3, table=.true.), a, problem)
       call run_adf(x + c, adf_options("ct", 3, table=.true.), b, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(a%table(2:)%value - b%table(2:)%value)), 0.0_dp, thr=1.0e-12_dp)
       call check(error, b%table(1)%value, a%table(1)%value - c*a%level, thr=1.0e-7_dp)
       call check(error, maxval(abs(a%table(2:)%std_error/b%table(2:)%std_error - 1.0_dp)), 0.0_dp, thr=1.0e-11_dp)
    end subroutine test_offset
 
    !> Without the option there is no table.
-   subroutine test_only_when_asked(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_only_when_asked()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
 
       call run_adf(reference_series("ar1", 500), adf_options(), adf, problem)
       call check(error, .not. (allocated(problem) .or. allocated(adf%table)), "a table that nobody asked for")
@@ -164,13 +149,11 @@ contains
 
    !> The autocovariances made on the way are those of a pass of their own: lengths around chunks, gaps, an offset; also where the
    !> test itself is refused.
-   subroutine test_shared(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_shared()
       integer, parameter :: length(4) = [60, 4097, 12289, 70001]
       type(autocovariance_type) :: shared
       type(moments_type) :: moments
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       integer :: i, j
@@ -182,25 +165,22 @@ contains
          call compute_moments(x, moments)
          call plan_autocovariance(shared, 20, moments%mean, moments%remainder)
          call run_adf(x, adf_options(), adf, problem, shared=shared)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
-         call agree(error, x, shared)
+         if (went_wrong(problem)) return
+         call agree(x, shared)
          call compute_moments(x, moments, valid)
          call plan_autocovariance(shared, 20, moments%mean, moments%remainder)
          call run_adf(x, adf_options("n", 1), adf, problem, valid, shared)
-         call agree(error, x, shared, valid)
+         call agree(x, shared, valid)
       end do
       x = [(real(2*mod(i, 2) - 1, dp), i=1, 200)]
       call plan_autocovariance(shared, 3, 0.0_dp, 0.0_dp)
       call run_adf(x, adf_options(lags=0), adf, problem, shared=shared)
-      call check(error, allocated(problem), "a perfect fit was accepted")
-      if (allocated(error)) return
-      call agree(error, x, shared)
+      if (unmet(allocated(problem), "a perfect fit was accepted")) return
+      call agree(x, shared)
    end subroutine test_shared
 
    !> Fails unless both give the same.
-   subroutine agree(error, x, shared, valid)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine agree(x, shared, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Filled
@@ -210,21 +190,17 @@ contains
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
 
-      call check(error, allocated(shared%r), "nothing is filled")
-      if (allocated(error)) return
+      if (unmet(allocated(shared%r), "nothing is filled")) return
       call compute_autocovariance(x, shared%max_lag, mean, r, problem, valid, pairs)
       call check(error, maxval(abs(shared%r - r))/r(0), 0.0_dp, thr=1.0e-13_dp)
       call check(error, all(shared%pairs == pairs) .and. shared%samples == size(x, kind=int64), "pairs")
    end subroutine agree
 
    !> A pass of its own, its failures, and none where it is filled.
-   subroutine test_shared_alone(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_shared_alone()
       type(autocovariance_type) :: shared
       type(moments_type) :: moments
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8) :: valid(3)
 
@@ -238,16 +214,14 @@ contains
       call need_autocovariance(x, shared, problem, valid)
       call check(error, problem%code, status%invalid_argument)
       call need_autocovariance(x, shared, problem)
-      call agree(error, x, shared)
+      call agree(x, shared)
       call need_autocovariance(x(:1), shared, problem)
       call check(error, .not. allocated(problem) .and. shared%samples == 70001, "filled again")
    end subroutine test_shared_alone
 
    !> A ramp with noise of 1e-9 of its slope: the sums of products cannot see it, the rows can.
-   subroutine test_rows(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_rows()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:), value(:), std_error(:)
       integer(int8), allocatable :: valid(:)
       integer :: i
@@ -256,25 +230,21 @@ contains
       valid = 1_int8
       x = [(real(2*i - 1, dp), i=1, 900)] + anint(reference_series("ar1", 900)*2.0_dp**10)*2.0_dp**(-40)
       call run_adf(x, adf_options("c", 2, table=.true.), adf, problem)
-      call check(error, .not. allocated(problem), "the ramp was refused")
-      if (allocated(error)) return
+      if (went_wrong(problem, "the ramp was refused")) return
       ! from orthogonal columns in quadruple precision
       call check(error, adf%statistic, -0.128027682050915147_dp, thr=1.0e-12_dp)
       call solve_dense(x, 1, 2, valid, value, std_error)
       call check(error, adf%statistic, value(2)/std_error(2), thr=1.0e-4_dp)
       valid(300:310) = 0_int8
       call run_adf(x, adf_options("c", 2, table=.true.), adf, problem, valid)
-      call check(error, .not. allocated(problem), "the ramp with a gap was refused")
-      if (allocated(error)) return
+      if (went_wrong(problem, "the ramp with a gap was refused")) return
       call solve_dense(x, 1, 2, valid, value, std_error)
       call check(error, adf%statistic, value(2)/std_error(2), thr=1.0e-4_dp)
    end subroutine test_rows
 
    !> 1, 3, 5, ...; the same with 1e-15 on it; a sinusoid without noise: refused, whatever the rounding.
-   subroutine test_perfect(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_perfect()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: i, j
 
@@ -283,17 +253,13 @@ contains
          if (j == 2) x = x*(1.0_dp + 1.0e-15_dp*reference_series("unif", 500))
          if (j == 3) x = 7.0_dp + sin(0.3_dp*x)
          call run_adf(x, adf_options(), adf, problem)
-         call check(error, allocated(problem), "a perfect fit was accepted")
-         if (allocated(error)) return
-         call check(error, problem%code, status%singular)
+         call check_refused(problem, status%singular)
       end do
    end subroutine test_perfect
 
    !> So many gaps that the rows of the shorter regression take another pass (few lags less), or none.
-   subroutine test_many_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_many_gaps()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:), value(:), std_error(:)
       integer(int8), allocatable :: valid(:)
       integer :: i, k, shorter
@@ -304,8 +270,7 @@ contains
       shorter = 0
       do k = 30, 52
          call run_adf(x, adf_options(max_lags=k, criterion="t"), adf, problem, valid)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          if (adf%lag > 20 .and. adf%lag < k) shorter = shorter + 1
          call solve_dense(x, 1, adf%lag, valid, value, std_error)
          call check(error, adf%statistic, value(2)/std_error(2), thr=1.0e-11_dp)
@@ -314,32 +279,25 @@ contains
    end subroutine test_many_gaps
 
    !> More lags are asked for than a short series has.
-   subroutine test_capped(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_capped()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
 
       call run_adf(reference_series("ar1", 100), adf_options("ctt", max_lags=huge(1)), adf, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, adf%max_lags == 46 .and. adf%wanted_lags == huge(1) .and. adf%lag_chosen, "most lags")
       call run_adf(reference_series("ar1", 100), adf_options(lags=2), adf, problem)
       call check(error, adf%max_lags == 2 .and. adf%wanted_lags == 2 .and. .not. adf%lag_chosen, "given lags")
    end subroutine test_capped
 
    !> A value that is not finite is found wherever it stands.
-   subroutine test_non_finite(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_non_finite()
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       x = reference_series("ar1", 9000)
       x(4321) = 1.0e200_dp
       call run_adf(x, adf_options(), adf, problem)
-      call check(error, allocated(problem), "squares that overflow were accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%non_finite)
+      call check_refused(problem, status%non_finite)
    end subroutine test_non_finite
 
    !> Asks to stop the second time.
@@ -356,16 +314,12 @@ contains
    end subroutine lose_patience
 
    !> A long test can be cancelled.
-   subroutine test_cancel(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_cancel()
       type(impatient_type) :: impatient
       type(adf_type) :: adf
-      type(gyro_error), allocatable :: problem
 
       call run_adf(reference_series("ar1", 140000), adf_options(), adf, problem, progress=impatient)
-      call check(error, allocated(problem), "it went on")
-      if (allocated(error)) return
-      call check(error, problem%code, status%cancelled)
+      call check_refused(problem, status%cancelled)
    end subroutine test_cancel
 
 end module test_adf_table

@@ -5,11 +5,10 @@ module test_allan_covariance
    use, intrinsic :: iso_fortran_env, only : qp => real128
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_fit_covariance, only : covariance_basis, mixture_covariances, mixture_freedom
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    implicit none (type, external)
    private
-   public :: collect_allan_covariance
+   public :: suite_allan_covariance
 
    !> Samples, factors
    integer(int64), parameter :: samples = 200, factors(5) = [1, 3, 16, 60, 100]
@@ -18,23 +17,19 @@ module test_allan_covariance
 
 contains
 
-   subroutine collect_allan_covariance(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("quantisation", test_quantisation), &
-         & new_unittest("white", test_white), &
-         & new_unittest("flicker", test_flicker), &
-         & new_unittest("walk", test_walk), &
-         & new_unittest("mixture", test_mixture), &
-         & new_unittest("ramp", test_ramp), &
-         & new_unittest("known_freedom", test_known_freedom), &
-         & new_unittest("huge_record", test_huge_record)]
-   end subroutine collect_allan_covariance
+   subroutine suite_allan_covariance()
+      call test("quantisation", test_quantisation)
+      call test("white", test_white)
+      call test("flicker", test_flicker)
+      call test("walk", test_walk)
+      call test("mixture", test_mixture)
+      call test("ramp", test_ramp)
+      call test("known_freedom", test_known_freedom)
+      call test("huge_record", test_huge_record)
+   end subroutine suite_allan_covariance
 
    !> Fails unless the matrix agrees with the full sums.
-   subroutine compare(error, squares, allowed)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine compare(squares, allowed)
       !> Q^2 N^2 B^2 K^2 R^2
       real(dp), intent(in) :: squares(5)
       !> Largest difference of a correlation
@@ -104,46 +99,32 @@ contains
       if (lag > 0 .and. squares(3) > 0) autocovariance = autocovariance + squares(3)/two_pi*t**2*log(t)
    end function autocovariance
 
-   subroutine test_quantisation(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, [2.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 1.0e-13_dp)
+   subroutine test_quantisation()
+      call compare([2.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 1.0e-13_dp)
    end subroutine test_quantisation
 
-   subroutine test_white(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], quadrature)
+   subroutine test_white()
+      call compare([0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], quadrature)
    end subroutine test_white
 
-   subroutine test_flicker(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, [0.0_dp, 0.0_dp, 3.0_dp, 0.0_dp, 0.0_dp], quadrature)
+   subroutine test_flicker()
+      call compare([0.0_dp, 0.0_dp, 3.0_dp, 0.0_dp, 0.0_dp], quadrature)
    end subroutine test_flicker
 
-   subroutine test_walk(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, [0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp], quadrature)
+   subroutine test_walk()
+      call compare([0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp], quadrature)
    end subroutine test_walk
 
-   subroutine test_mixture(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, [1.0_dp, 1.0_dp, 0.1_dp, 0.01_dp, 0.0_dp], quadrature)
+   subroutine test_mixture()
+      call compare([1.0_dp, 1.0_dp, 0.1_dp, 0.01_dp, 0.0_dp], quadrature)
    end subroutine test_mixture
 
-   subroutine test_ramp(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_ramp()
       ! the ramp's own mean meets the noise: terms of both kinds weigh about the same
-      call compare(error, [0.5_dp, 1.0_dp, 0.01_dp, 1.0e-4_dp, 1.0e-4_dp], quadrature)
+      call compare([0.5_dp, 1.0_dp, 0.01_dp, 1.0e-4_dp, 1.0e-4_dp], quadrature)
    end subroutine test_ramp
 
-   subroutine test_known_freedom(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_known_freedom()
       ! white rate noise: edf = (3 n/(2 m) - 2 (n - 1)/(n + 1)) 4 m^2/(4 m^2 + 5), NIST SP 1065, table 5, an approximation
       ! to about 1 %; a single term has one degree of freedom
       integer(int64), parameter :: n = 100000, m(3) = [1_int64, 10_int64, 1000_int64]
@@ -160,9 +141,7 @@ contains
       call check(error, edf(1), 1.0_dp, thr=1.0e-12_dp, rel=.true.)
    end subroutine test_known_freedom
 
-   subroutine test_huge_record(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_huge_record()
       ! no cancellation between factors that are far apart
       integer(int64), parameter :: n = 10_int64**15, m(3) = [1_int64, 10_int64**7, 10_int64**14]
       real(dp), parameter :: mixture(5) = [1.0_dp, 1.0_dp, 1.0e-3_dp, 1.0e-9_dp, 1.0e-20_dp]

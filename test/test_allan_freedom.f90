@@ -5,11 +5,10 @@
 module test_allan_freedom
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits, greenhall_edf
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    implicit none (type, external)
    private
-   public :: collect_allan_freedom
+   public :: suite_allan_freedom
 
    !> Phases
    integer(int64), parameter :: phases = 1001
@@ -18,21 +17,17 @@ module test_allan_freedom
 
 contains
 
-   subroutine collect_allan_freedom(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("overlapping", test_overlapping), &
-         & new_unittest("other_statistics", test_other_statistics), &
-         & new_unittest("white_phase_short", test_white_phase_short), &
-         & new_unittest("branches_meet", test_branches_meet), &
-         & new_unittest("range", test_range), &
-         & new_unittest("limits", test_limits)]
-   end subroutine collect_allan_freedom
+   subroutine suite_allan_freedom()
+      call test("overlapping", test_overlapping)
+      call test("other_statistics", test_other_statistics)
+      call test("white_phase_short", test_white_phase_short)
+      call test("branches_meet", test_branches_meet)
+      call test("range", test_range)
+      call test("limits", test_limits)
+   end subroutine suite_allan_freedom
 
    !> Fails unless the degrees of freedom agree.
-   subroutine expect(error, m, alpha, difference, modified, overlapped, expected)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect(m, alpha, difference, modified, overlapped, expected)
       !> What is asked
       integer, intent(in) :: m, alpha, difference
       logical, intent(in) :: modified, overlapped
@@ -47,9 +42,7 @@ contains
       call check(error, abs(edf - expected) <= max(printed*expected, 5.0e-5_dp), trim(text))
    end subroutine expect
 
-   subroutine test_overlapping(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_overlapping()
       integer, parameter :: m(3) = [1, 10, 100], alpha(4) = [0, -1, -2, 2]
       real(dp), parameter :: expected(3, 4) = reshape([782.0303_dp, 135.0714_dp, 12.8149_dp, 895.2474_dp, 114.6687_dp, &
          & 9.9480_dp, 762.2905_dp, 91.0384_dp, 7.7537_dp, 514.0361_dp, 507.1731_dp, 440.2065_dp], [3, 4])
@@ -57,14 +50,12 @@ contains
 
       do j = 1, 4
          do i = 1, 3
-            call expect(error, m(i), alpha(j), 2, .false., .true., expected(i, j))
+            call expect(m(i), alpha(j), 2, .false., .true., expected(i, j))
          end do
       end do
    end subroutine test_overlapping
 
-   subroutine test_other_statistics(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_other_statistics()
       integer, parameter :: m(3) = [1, 10, 100]
       real(dp), parameter :: modified(3) = [782.0303_dp, 94.6343_dp, 7.4165_dp]
       real(dp), parameter :: hadamard(3) = [608.5487_dp, 113.6989_dp, 9.9228_dp]
@@ -72,26 +63,22 @@ contains
       integer :: i
 
       do i = 1, 3
-         call expect(error, m(i), 0, 2, .true., .true., modified(i))
-         call expect(error, m(i), 0, 3, .false., .true., hadamard(i))
-         call expect(error, m(i), 0, 2, .false., .false., plain(i))
+         call expect(m(i), 0, 2, .true., .true., modified(i))
+         call expect(m(i), 0, 3, .false., .true., hadamard(i))
+         call expect(m(i), 0, 2, .false., .false., plain(i))
       end do
    end subroutine test_other_statistics
 
-   subroutine test_white_phase_short(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_white_phase_short()
       ! m = 500 has one estimate, which has one degree of freedom; two estimates of m = 499.5 would be all but equal
-      call expect(error, 500, 2, 2, .false., .true., 1.0_dp)
+      call expect(500, 2, 2, .false., .true., 1.0_dp)
       ! m = 400: 201 estimates, r about one half: independent phases, so 201
-      call expect(error, 400, 2, 2, .false., .true., 201.0_dp)
+      call expect(400, 2, 2, .false., .true., 201.0_dp)
       ! m = 300: 401 estimates, those m apart share a phase: a correlation of -4/6, whose square counts
-      call expect(error, 300, 2, 2, .false., .true., 401/(1 + 2*(1 - 300/401.0_dp)*(4/6.0_dp)**2))
+      call expect(300, 2, 2, .false., .true., 401/(1 + 2*(1 - 300/401.0_dp)*(4/6.0_dp)**2))
    end subroutine test_white_phase_short
 
-   subroutine test_branches_meet(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_branches_meet()
       ! the direct sum up to m = 33, the table beyond; the sum takes a phase as a mean over one interval, which costs
       ! 3 % of the degrees of freedom at m = 33
       integer :: alpha
@@ -104,9 +91,7 @@ contains
       end do
    end subroutine test_branches_meet
 
-   subroutine test_range(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_range()
       integer :: alpha
       integer(int64) :: m
       real(dp) :: edf
@@ -122,9 +107,7 @@ contains
       end do
    end subroutine test_range
 
-   subroutine test_limits(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_limits()
       real(dp) :: lower(3), upper(3)
 
       ! chi-square with 10 degrees of freedom: quantiles 3.247 and 20.48 (2.5 %, 97.5 %), from any table

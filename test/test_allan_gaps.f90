@@ -3,7 +3,6 @@
 module test_allan_gaps
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int32, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_gapped_average, only : sum_gapped_averages
    use gyroakf_allan_phase_average, only : sum_phase_averages
@@ -11,11 +10,10 @@ module test_allan_gaps
    use gyroakf_allan_phase_difference, only : sum_phase_differences
    use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    use allan_series, only : normal_series, uniform_series, walk_of
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_allan_gaps
+   public :: suite_allan_gaps
 
    !> Rounding of the sums of a few hundred terms
    real(dp), parameter :: exact = 1.0e-11_dp
@@ -24,19 +22,16 @@ module test_allan_gaps
 
 contains
 
-   subroutine collect_allan_gaps(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("average_by_definition", test_average_definition), &
-         & new_unittest("reflection_by_definition", test_reflection_definition), &
-         & new_unittest("nothing_missing", test_nothing_missing), &
-         & new_unittest("white_noise", test_white), &
-         & new_unittest("random_walk", test_walk), &
-         & new_unittest("long_gap", test_long_gap), &
-         & new_unittest("strict", test_strict), &
-         & new_unittest("time_deviation", test_time_deviation)]
-   end subroutine collect_allan_gaps
+   subroutine suite_allan_gaps()
+      call test("average_by_definition", test_average_definition)
+      call test("reflection_by_definition", test_reflection_definition)
+      call test("nothing_missing", test_nothing_missing)
+      call test("white_noise", test_white)
+      call test("random_walk", test_walk)
+      call test("long_gap", test_long_gap)
+      call test("strict", test_strict)
+      call test("time_deviation", test_time_deviation)
+   end subroutine suite_allan_gaps
 
    !> 1 present, 0 missing.
    pure function presence(n, pattern) result(valid)
@@ -101,8 +96,7 @@ contains
       white = white + sum(there**2) - sum(all_there**2)
    end subroutine add_difference
 
-   subroutine compare(error, found, expected, white, label)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine compare(found, expected, white, label)
       !> Sums of the library, and those of the definition
       type(gap_sums_type), intent(in) :: found, expected
       !> Inflation by the definition
@@ -115,13 +109,10 @@ contains
       call check(error, abs(found%inflation - white) <= exact*real(max(found%terms, 1_int64), dp), label//": inflation")
    end subroutine compare
 
-   subroutine test_average_definition(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_average_definition()
       ! triangles of weights, every term by its own sums; 133 terms remain of m = 89
       integer, parameter :: n = 398, m(4) = [1, 7, 30, 89]
       type(gap_sums_type) :: found(4), expected
-      type(gyro_error), allocatable :: failure
       real(dp) :: rate(n), phase(0:n), weight(n, 2), white
       integer(int32) :: missing(0:n)
       integer :: pattern, i, j, s
@@ -141,15 +132,12 @@ contains
                end do
                call add_difference(rate, presence(n, pattern), weight, 0.85_dp, expected, white)
             end do
-            call compare(error, found(i), expected, white, "mdev")
+            call compare(found(i), expected, white, "mdev")
          end do
       end do
    end subroutine test_average_definition
 
-   subroutine test_reflection_definition(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
-
+   subroutine test_reflection_definition()
       ! a sample that the mirror shows twice has twice the weight
       integer, parameter :: n = 398, m(4) = [1, 7, 30, 190]
       type(gap_sums_type) :: found(4), expected
@@ -177,20 +165,17 @@ contains
                end do
                call add_difference(rate, presence(n, pattern), weight, 0.85_dp, expected, white)
             end do
-            call compare(error, found(i), expected, white, "totdev")
+            call compare(found(i), expected, white, "totdev")
             call check(error, abs(found(i)%weight - expected%weight) <= exact*n, "totdev: expectations of complete terms")
          end do
       end do
    end subroutine test_reflection_definition
 
-   subroutine test_nothing_missing(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_nothing_missing()
       ! a coverage of one in a record of which all is there: the plain sums
       integer, parameter :: n = 100000
       integer(int64), parameter :: m(5) = [1_int64, 3_int64, 100_int64, 5000_int64, 33333_int64]
       type(gap_sums_type) :: found(5)
-      type(gyro_error), allocatable :: failure
       real(dp), allocatable :: rate(:), phase(:)
       real(dp) :: plain(5)
       integer(int32), allocatable :: missing(:)
@@ -213,8 +198,7 @@ contains
    end subroutine test_nothing_missing
 
    !> Mean ratio of the variances with gaps to those of the complete record, over some records.
-   subroutine mean_ratio(error, kind, walk, pattern, runs, ratio)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine mean_ratio(kind, walk, pattern, runs, ratio)
       !> Statistic
       character(*), intent(in) :: kind
       !> Random walk, else white noise
@@ -227,7 +211,6 @@ contains
       integer, parameter :: n = 20000
       type(allan_curve_type) :: curve, whole
       type(allan_options) :: options
-      type(gyro_error), allocatable :: failure
       real(dp) :: rate(n), top(4), bottom(4)
       integer :: run
 
@@ -241,17 +224,14 @@ contains
          call compute_allan(rate, 1.0_dp, options, whole, failure)
          where (presence(n, pattern) == 0) rate = ieee_value(1.0_dp, ieee_quiet_nan)
          if (.not. allocated(failure)) call compute_allan(rate, 1.0_dp, options, curve, failure)
-         call check(error,.not. allocated(failure), "no curve of "//kind)
-         if (allocated(error)) return
+         if (went_wrong(failure, "no curve of "//kind)) return
          top = top + curve%deviation**2
          bottom = bottom + whole%deviation**2
       end do
       ratio = top/bottom
    end subroutine mean_ratio
 
-   subroutine test_white(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_white()
       ! unbiased: four standard errors of the ratio, whose squared deviation is about the lost share of 2/edf; without the
       ! correction
       ! 5 % at random would add 5 %
@@ -263,18 +243,15 @@ contains
 
       do kind = 1, 2
          do pattern = 1, patterns
-            call mean_ratio(error, kinds(kind), .false., pattern, runs, ratio)
+            call mean_ratio(kinds(kind), .false., pattern, runs, ratio)
             if (allocated(error)) return
             allowed = 4*sqrt(lost(pattern)*2*[1, 10, 40, 100]/(0.7_dp*n*runs))
             call check(error, all(abs(ratio - 1) < allowed), kinds(kind)//": white noise with gaps is biased")
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_white
 
-   subroutine test_walk(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_walk()
       ! a random walk: within 1 % where samples are lost at random (they leave the mean of a window all but as it is); a
       ! gap takes a tenth of the terms, which moves the ratio as white noise's
       character(6), parameter :: kinds(2) = ["mdev  ", "totdev"]
@@ -284,7 +261,7 @@ contains
 
       do kind = 1, 2
          do pattern = 1, patterns
-            call mean_ratio(error, kinds(kind), .true., pattern, runs, ratio)
+            call mean_ratio(kinds(kind), .true., pattern, runs, ratio)
             if (allocated(error)) return
             if (pattern < 3) then
                call check(error, all(abs(ratio - 1) < [0.03_dp, 0.01_dp, 0.01_dp, 0.01_dp]), kinds(kind)//": random walk")
@@ -296,15 +273,12 @@ contains
       end do
    end subroutine test_walk
 
-   subroutine test_long_gap(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_long_gap()
       ! a gap of 10 % takes most terms of a long averaging time, and those near the ends have small expectations: unbiased all the
       ! same in white noise (m = 1000: five standard errors of 200 records with four degrees of freedom), left out at m = 1500
       integer, parameter :: n = 5000, runs = 200
       type(allan_curve_type) :: curve
       type(allan_options) :: options
-      type(gyro_error), allocatable :: failure
       real(dp) :: rate(n), mean
       integer :: run
 
@@ -315,20 +289,16 @@ contains
          rate = normal_series(int(n, int64), int(313*run, int64))
          where (presence(n, 3) == 0) rate = ieee_value(1.0_dp, ieee_quiet_nan)
          call compute_allan(rate, 1.0_dp, options, curve, failure)
-         call check(error, size(curve%m) == 1, "there is a point at m = 1500")
-         if (allocated(error)) return
+         if (unmet(size(curve%m) == 1, "there is a point at m = 1500")) return
          mean = mean + 1000*curve%deviation(1)**2/runs
       end do
       call check(error, abs(mean - 1) < 5*sqrt(2/(4.0_dp*runs)), "white noise with a long gap is biased")
    end subroutine test_long_gap
 
-   subroutine test_strict(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_strict()
       ! coverage 1: only terms that touch no missing sample; sample 500 of 1000, m = 10: of 972 terms 29 go
       type(allan_curve_type) :: curve
       type(allan_options) :: options
-      type(gyro_error), allocatable :: failure
       real(dp) :: rate(1000)
 
       rate = normal_series(1000_int64, 8_int64)
@@ -348,13 +318,10 @@ contains
       call check(error, size(curve%m) == 2 .and. size(curve%left_out) == 1 .and. all(curve%left_out == 100), "left out")
    end subroutine test_strict
 
-   subroutine test_time_deviation(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_time_deviation()
       ! tau/sqrt(3) times mdev, also with gaps
       type(allan_curve_type) :: modified, time
       type(allan_options) :: options
-      type(gyro_error), allocatable :: failure
       real(dp) :: rate(2000)
 
       rate = normal_series(2000_int64, 8_int64)
@@ -363,8 +330,7 @@ contains
       call compute_allan(rate, 0.5_dp, options, modified, failure)
       options%kind = "tdev"
       if (.not. allocated(failure)) call compute_allan(rate, 0.5_dp, options, time, failure)
-      call check(error,.not. allocated(failure), "a curve is missing")
-      if (allocated(error)) return
+      if (went_wrong(failure, "a curve is missing")) return
       call check(error, all(abs(time%deviation/(modified%tau*modified%deviation/sqrt(3.0_dp)) - 1) < exact), "tdev")
    end subroutine test_time_deviation
 

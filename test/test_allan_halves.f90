@@ -3,36 +3,32 @@
 module test_allan_halves
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_special, only : chi_square_survival, digamma, trigamma
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_halves, only : compare_halves, halves_options, halves_type
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use allan_series, only : normal_series, walk_of
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_allan_halves
+   public :: suite_allan_halves
 
 contains
 
-   subroutine collect_allan_halves(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("single_tau", test_single_tau), &
-         & new_unittest("gain", test_gain), &
-         & new_unittest("curves_of_the_halves", test_curves), &
-         & new_unittest("reversal", test_reversal), &
-         & new_unittest("units", test_units), &
-         & new_unittest("uniform_p_values", test_uniform), &
-         & new_unittest("scattered_losses", test_scattered), &
-         & new_unittest("outliers", test_outliers), &
-         & new_unittest("gaps", test_gaps), &
-         & new_unittest("unequal_halves", test_unequal), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_allan_halves
+   subroutine suite_allan_halves()
+      call test("single_tau", test_single_tau)
+      call test("gain", test_gain)
+      call test("curves_of_the_halves", test_curves)
+      call test("reversal", test_reversal)
+      call test("units", test_units)
+      call test("uniform_p_values", test_uniform)
+      call test("scattered_losses", test_scattered)
+      call test("outliers", test_outliers)
+      call test("gaps", test_gaps)
+      call test("unequal_halves", test_unequal)
+      call test("failures", test_failures)
+   end subroutine suite_allan_halves
 
    !> White noise with N = n per sample.
    subroutine white_model(n, noise)
@@ -46,13 +42,10 @@ contains
    !> logarithm of the ratio of the variances over 2 trigamma(nu/2). For a half of 500 white samples, by the sum of its lags,
    !> R(0) = 2, R(1) = -1 for z = w2 - w1 (sum over 499 terms), so nu = (499*2)^2/(499*4 + 2*498*1);
    !> excess kurtosis adds to 2/nu.
-   subroutine test_single_tau(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_single_tau()
       type(noise_type) :: noise
       type(halves_options) :: options
       type(halves_type) :: halves
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(1000), change, nu, z1(499), z2(499), kurtosis
 
       call white_model(1.0_dp, noise)
@@ -60,8 +53,7 @@ contains
       x(501:) = 1.1_dp*x(501:)
       options%taus = "1"
       call compare_halves(x, 1.0_dp, noise, options, halves, failed)
-      call check(error, .not. allocated(failed) .and. halves%freedom == 1 .and. size(halves%tau) == 1)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. halves%freedom == 1 .and. size(halves%tau) == 1)) return
       change = log(sum((x(502:) - x(501:999))**2)/sum((x(2:500) - x(1:499))**2))
       nu = 499.0_dp**2*4/(499*4 + 2*498*1)
       call check(error, halves%ratio(1), exp(change/2), thr=1e-12_dp)
@@ -82,32 +74,25 @@ contains
    end function excess
 
    !> The second half is the first times 1.25: that is the ratio at every averaging time, and it is far beyond chance.
-   subroutine test_gain(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_gain()
       type(noise_type) :: noise
       type(halves_type) :: halves
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(8192)
 
       call white_model(1.0_dp, noise)
       x(:4096) = normal_series(4096_int64, 3_int64)
       x(4097:) = 1.25_dp*x(:4096) + 1e3_dp
       call compare_halves(x, 1.0_dp, noise, halves_options(), halves, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, maxval(abs(halves%ratio - 1.25_dp)), 0.0_dp, thr=1e-10_dp)
       call check(error, halves%changed .and. halves%differs(1) .and. halves%p_value < 1e-10_dp .and. halves%lower(1) > 1.15_dp)
    end subroutine test_gain
 
    !> The ratios are those of the curves of the halves by themselves; an odd sample in the middle belongs to none.
-   subroutine test_curves(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_curves()
       type(noise_type) :: noise
       type(halves_type) :: halves
       type(allan_curve_type) :: first, second
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(4001)
       integer :: k
 
@@ -125,12 +110,9 @@ contains
    end subroutine test_curves
 
    !> Backwards, the ratios are their reciprocals and the statistic is the same.
-   subroutine test_reversal(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_reversal()
       type(noise_type) :: noise
       type(halves_type) :: halves, backwards
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(3000)
 
       call white_model(1.0_dp, noise)
@@ -142,13 +124,10 @@ contains
    end subroutine test_reversal
 
    !> Neither the unit of the rate nor that of the time matters, when the coefficients are in the same.
-   subroutine test_units(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_units()
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
       type(halves_type) :: halves, scaled
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(3000)
 
       x = normal_series(3000_int64, 41_int64) &
@@ -164,13 +143,10 @@ contains
    end subroutine test_units
 
    !> Of 200 white records the p-values are uniform: mean 1/2 and share below 0.2 within three standard errors.
-   subroutine test_uniform(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_uniform()
       integer, parameter :: records = 200
       type(noise_type) :: noise
       type(halves_type) :: halves
-      type(gyro_error), allocatable :: failed
       real(dp) :: p_value(records)
       integer :: i
 
@@ -185,13 +161,10 @@ contains
 
    !> Of 200 white records that lack a fifth of their samples, here and there, p-values below 0.05 are as many as they should be,
    !> within three standard errors.
-   subroutine test_scattered(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_scattered()
       integer, parameter :: records = 200
       type(noise_type) :: noise
       type(halves_type) :: halves
-      type(gyro_error), allocatable :: failed
       real(dp) :: p_value(records), x(2048)
       integer :: i
 
@@ -207,12 +180,9 @@ contains
 
    !> Eight outliers of 15 standard deviations in the second half, a fifth more variance, are no change of the noise; the same rise
    !> spread over all samples is.
-   subroutine test_outliers(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_outliers()
       type(noise_type) :: noise
       type(halves_type) :: halves
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(20000)
       integer :: i
 
@@ -230,12 +200,9 @@ contains
    end subroutine test_outliers
 
    !> Missing samples, marked or not finite, do not count whatever stands there; fewer terms make wider limits.
-   subroutine test_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_gaps()
       type(noise_type) :: noise
       type(halves_type) :: halves, marked, not_finite
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(6000)
       integer(int8) :: valid(6000)
 
@@ -256,13 +223,10 @@ contains
 
    !> Halves that lack different shares have logarithms of different bias: psi(nu/2) - ln(nu/2) each, which is taken off. nu as
    !> in single_tau, of 40 samples, 19 of the second half's 39 differences left.
-   subroutine test_unequal(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_unequal()
       type(noise_type) :: noise
       type(halves_options) :: options
       type(halves_type) :: halves
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(80), z1(39), z2(19), half_nu(2), expected
       integer(int8) :: valid(80)
 
@@ -274,8 +238,7 @@ contains
       options%taus = "1"
       options%least_edf = 1
       call compare_halves(x, 1.0_dp, noise, options, halves, failed, valid)
-      call check(error, .not. allocated(failed) .and. size(halves%tau) == 1)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. size(halves%tau) == 1)) return
       z1 = x(2:40) - x(1:39)
       z2 = x(42:60) - x(41:59)
       half_nu = 1/((39*4 + 2*38*1)/(39.0_dp**2*2) + (excess(z1) + excess(z2))/40)
@@ -285,13 +248,10 @@ contains
       call check(error, 2*log(halves%ratio(1)), expected, thr=1e-8_dp)
    end subroutine test_unequal
 
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_failures()
       type(noise_type) :: noise, nothing
       type(halves_options) :: options
       type(halves_type) :: halves
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(1000)
 
       call white_model(1.0_dp, noise)

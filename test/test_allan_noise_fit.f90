@@ -2,47 +2,41 @@
 !> Tests of the noise coefficients and of the nonnegative least squares beneath them.
 module test_allan_noise_fit
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_fit_covariance, only : mixture_freedom
    use gyroakf_allan_fit_solver, only : solve_nonnegative
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_allan_noise_model, only : model_variance
    use allan_series, only : nbs14_long, normal_series, uniform_series, walk_of
-   use noise_fit_runs, only : fit_record, mixed_record
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use noise_fit_runs, only : not_fitted, mixed_record
+   use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_allan_noise_fit
+   public :: suite_allan_noise_fit
 
 contains
 
-   subroutine collect_allan_noise_fit(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_allan_noise_fit()
+      call test("nonnegative_small", test_nonnegative_small)
+      call test("nonnegative_search", test_nonnegative_search)
+      call test("reference", test_reference)
+      call test("noise_free", test_noise_free)
+      call test("single_point", test_single_point)
+      call test("white_records", test_white_records)
+      call test("heavy_tails", test_heavy_tails)
+      call test("scale", test_scale)
+      call test("covariance", test_covariance)
+      call test("correlation_of_records", test_correlation_of_records)
+      call test("chosen_alone", test_chosen_alone)
+      call test("walk_alone", test_walk_alone)
+      call test("coverage", test_coverage)
+      call test("grids", test_grids)
+      call test("limits_of_curve", test_limits_of_curve)
+      call test("failures", test_failures)
+   end subroutine suite_allan_noise_fit
 
-      testsuite = [ &
-         & new_unittest("nonnegative_small", test_nonnegative_small), &
-         & new_unittest("nonnegative_search", test_nonnegative_search), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("noise_free", test_noise_free), &
-         & new_unittest("single_point", test_single_point), &
-         & new_unittest("white_records", test_white_records), &
-         & new_unittest("heavy_tails", test_heavy_tails), &
-         & new_unittest("scale", test_scale), &
-         & new_unittest("covariance", test_covariance), &
-         & new_unittest("correlation_of_records", test_correlation_of_records), &
-         & new_unittest("chosen_alone", test_chosen_alone), &
-         & new_unittest("walk_alone", test_walk_alone), &
-         & new_unittest("coverage", test_coverage), &
-         & new_unittest("grids", test_grids), &
-         & new_unittest("limits_of_curve", test_limits_of_curve), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_allan_noise_fit
-
-   subroutine test_nonnegative_small(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_nonnegative_small()
       ! the free solution is (2, -1); with x2 = 0 the best x1 is 1.5
       real(dp), parameter :: a(2, 2) = reshape([1.0_dp, 0.0_dp, 0.5_dp, 1.0_dp], [2, 2])
       real(dp), parameter :: b(2) = [1.5_dp, -1.0_dp]
@@ -54,9 +48,7 @@ contains
       call check(error, norm2(x - [2.0_dp, -1.0_dp]), 0.0_dp, thr=1.0e-14_dp)
    end subroutine test_nonnegative_small
 
-   subroutine test_nonnegative_search(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_nonnegative_search()
       ! against the best of all 2**5 sets of free unknowns; in every other problem the first unknown may be negative
       integer, parameter :: rows = 8, columns = 5, problems = 100
       real(dp) :: a(rows, columns), b(rows), x(columns), u(rows*(columns + 1)), best
@@ -84,15 +76,12 @@ contains
       end do
    end subroutine test_nonnegative_search
 
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_reference()
       ! an independent implementation agrees on 20 records: white, Laplace, flicker, walk, quantization, low-pass, ramp
       integer, parameter :: records = 20
       character(8), parameter :: states(0:2) = [character(8) :: "withheld", "limit", "value"]
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
-      type(gyro_error), allocatable :: failure
       real(dp) :: floor, kurtosis, chi_square, value(5), std_error(5), limit(5)
       integer :: unit, record, points, first, last, terms, state(5), i
 
@@ -174,9 +163,7 @@ contains
       curve%upper = curve%deviation
    end subroutine synthetic_curve
 
-   subroutine test_white_records(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_white_records()
       ! 100 records: N right on the average, its stated error right within the 20 % that 100 records can show,
       ! other terms detected in a few records only, chi-square as it should be
       integer, parameter :: records = 100
@@ -188,8 +175,7 @@ contains
 
       false_alarms = 0
       do i = 1, records
-         call fit_record(error, 3*normal_series(4000_int64, int(i*7777, int64)), 0.01_dp, options, curve, noise)
-         if (allocated(error)) return
+         if (not_fitted(3*normal_series(4000_int64, int(i*7777, int64)), 0.01_dp, options, curve, noise)) return
          value(i) = noise%coefficient(2)%value/0.3_dp
          stated(i) = noise%coefficient(2)%std_error/0.3_dp
          chi2(i) = noise%chi2_reduced
@@ -202,9 +188,7 @@ contains
       call check(error, false_alarms <= 10, "too many terms that are not there")
    end subroutine test_white_records
 
-   subroutine test_scale(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_scale()
       ! rates in another unit and seconds of another length: every number moves as its unit says
       real(dp), parameter :: power(5) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp], unit = 1.0e-12_dp, second = 0.002_dp
       type(allan_curve_type) :: curve
@@ -212,22 +196,17 @@ contains
       type(noise_type) :: plain, scaled
       integer :: j
 
-      call fit_record(error, mixed_record(5000), 1.0_dp, options, curve, plain)
-      if (allocated(error)) return
-      call fit_record(error, unit*mixed_record(5000), second, options, curve, scaled)
-      if (allocated(error)) return
+      if (not_fitted(mixed_record(5000), 1.0_dp, options, curve, plain)) return
+      if (not_fitted(unit*mixed_record(5000), second, options, curve, scaled)) return
       do j = 1, 5
          call check(error, scaled%coefficient(j)%value, plain%coefficient(j)%value*unit*second**power(j), thr=1.0e-6_dp, rel=.true.)
          call check(error, scaled%coefficient(j)%std_error, plain%coefficient(j)%std_error*unit*second**power(j), &
             & thr=1.0e-6_dp, rel=.true.)
-         if (allocated(error)) return
       end do
       call check(error, scaled%chi2_reduced, plain%chi2_reduced, thr=1.0e-6_dp, rel=.true.)
    end subroutine test_scale
 
-   subroutine test_correlation_of_records(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_correlation_of_records()
       ! estimates of many records correlate as each of them says: Q with N, and N with K
       integer, parameter :: records = 200, samples = 2000, pair(2, 2) = reshape([1, 2, 2, 4], [2, 2])
       character(2), parameter :: terms(2) = ["QN", "NK"]
@@ -246,8 +225,7 @@ contains
             rate = g(:samples)
             if (k == 1) rate = rate + g(samples + 2:2*samples + 1) - g(samples + 1:2*samples)
             if (k == 2) rate = rate + walk*walk_of(g(samples + 1:2*samples), g(2*samples + 1:))
-            call fit_record(error, rate, 1.0_dp, options, curve, noise)
-            if (allocated(error)) return
+            if (not_fitted(rate, 1.0_dp, options, curve, noise)) return
             x(i, :) = noise%coefficient(pair(:, k))%value
             stated = stated + noise%covariance(pair(1, k), pair(2, k))/ &
                & product(noise%coefficient(pair(:, k))%std_error)/records
@@ -255,17 +233,13 @@ contains
          d = x - spread(sum(x, dim=1)/records, 1, records)
          measured = dot_product(d(:, 1), d(:, 2))/(norm2(d(:, 1))*norm2(d(:, 2)))
          call check(error, stated < -0.1_dp, "they pull at each other")
-         if (allocated(error)) return
          ! standard error of a correlation of normal pairs: (1 - rho**2)/sqrt(records)
          call check(error, abs(measured - stated) < 4*(1 - stated**2)/sqrt(real(records, dp)), &
             & "the correlation of records is another")
-         if (allocated(error)) return
       end do
    end subroutine test_correlation_of_records
 
-   subroutine test_walk_alone(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_walk_alone()
       ! 100 random walks: K in all of them, hardly anything else
       integer, parameter :: records = 100, samples = 2000
       type(allan_curve_type) :: curve
@@ -276,52 +250,43 @@ contains
       claimed = 0
       do i = 1, records
          g = normal_series(size(g, kind=int64), int(6007*i, int64))
-         call fit_record(error, walk_of(g(:samples), g(samples + 1:)), 1.0_dp, noise_options(), curve, noise)
-         if (allocated(error)) return
+         if (not_fitted(walk_of(g(:samples), g(samples + 1:)), 1.0_dp, noise_options(), curve, noise)) return
          claimed = claimed + merge(1, 0, noise%coefficient%detected)
       end do
       call check(error, claimed(4) >= records - 2, "K is not found")
       call check(error, sum(claimed) - claimed(4) <= 5, "terms that are not there")
    end subroutine test_walk_alone
 
-   subroutine test_noise_free(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_noise_free()
       ! a record so long that its variances are their expectations
       real(dp), parameter :: truth(5) = [0.02_dp, 1.5_dp, 0.4_dp, 0.03_dp, 2.0e-4_dp]
       character(5), parameter :: terms(2) = ["auto ", "QNBKR"]
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
-      type(gyro_error), allocatable :: failure
       integer :: i
 
       do i = 1, 2
          call synthetic_curve(truth, 21, 1000000000000000_int64, curve)
          call fit_noise(curve, noise_options(terms(i)), noise, failure)
-         call check(error, .not. allocated(failure) .and. all(noise%coefficient%detected), "all terms are there")
-         if (allocated(error)) return
+         if (unmet(.not. allocated(failure) .and. all(noise%coefficient%detected), "all terms are there")) return
          call check(error, maxval(abs(noise%coefficient%value/truth - 1)) < 1.0e-6_dp, "a value")
          call check(error, maxval(abs(noise%model/curve%deviation - 1)) < 1.0e-6_dp, "the model is not the curve")
       end do
    end subroutine test_noise_free
 
-   subroutine test_single_point(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_single_point()
       ! one variance of white noise, one unknown: N^2 has the variance's own relative error sqrt(2/edf), N half of it; chi-square
       ! over its degrees of freedom is below 1 by the bias of its cube root, 2/(9 edf)
       type(allan_curve_type) :: curve
       type(noise_options) :: options
       type(noise_type) :: noise
-      type(gyro_error), allocatable :: failure
       real(dp), parameter :: white(5) = [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       real(dp) :: edf(1)
 
       options = noise_options("N", tau_min=0.05_dp, tau_max=0.1_dp)
       call synthetic_curve([0.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 10, 100000_int64, curve)
       call fit_noise(curve, options, noise, failure)
-      call check(error, .not. allocated(failure), "the fit failed")
-      if (allocated(error)) return
+      if (went_wrong(failure, "the fit failed")) return
       edf = mixture_freedom(100000_int64, [8_int64], white)
       call check(error, noise%points, 1)
       call check(error, noise%coefficient(2)%value, 2*(1 - 2/(9*edf(1)))**(-1.5_dp), thr=1.0e-9_dp)
@@ -329,9 +294,7 @@ contains
       call check(error, .not. any(noise%coefficient([1, 3, 4, 5])%fitted), "only N was fitted")
    end subroutine test_single_point
 
-   subroutine test_heavy_tails(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_heavy_tails()
       ! 100 records of Laplace noise, excess kurtosis 3: the stated error of N is that of the records; without the kurtosis it
       ! would be sqrt(1 + 2/3) times too small, at one sample
       integer, parameter :: records = 100
@@ -344,8 +307,7 @@ contains
       kurtosis = 0
       do i = 1, records
          u = 2*uniform_series(size(u, kind=int64), int(i*7777, int64)) - 1
-         call fit_record(error, -sign(log(1 - abs(u)), u), 1.0_dp, noise_options(), curve, noise)
-         if (allocated(error)) return
+         if (not_fitted(-sign(log(1 - abs(u)), u), 1.0_dp, noise_options(), curve, noise)) return
          value(i) = noise%coefficient(2)%value
          stated = stated + noise%coefficient(2)%std_error/records
          kurtosis = kurtosis + noise%kurtosis/records
@@ -356,36 +318,29 @@ contains
       call check(error, sum(value)/records, sqrt(2.0_dp), thr=0.01_dp)
    end subroutine test_heavy_tails
 
-   subroutine test_covariance(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_covariance()
       ! symmetric, the squares of the stated errors on its diagonal, nothing beside terms that are not in the fit
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
       integer :: j
 
-      call fit_record(error, mixed_record(5000), 1.0_dp, noise_options("NK"), curve, noise)
-      if (allocated(error)) return
+      if (not_fitted(mixed_record(5000), 1.0_dp, noise_options("NK"), curve, noise)) return
       associate (c => noise%covariance, s => noise%coefficient%std_error)
          call check(error, all(abs(c - transpose(c)) <= 0) .and. count(abs(c) > 0) == 4, "four numbers")
          call check(error, all(abs([(c(j, j), j=1, 5)] - s**2) <= 1.0e-14_dp*s**2) .and. abs(c(2, 4)) < s(2)*s(4), "errors")
       end associate
    end subroutine test_covariance
 
-   subroutine test_chosen_alone(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_chosen_alone()
       ! terms that are not there change neither value nor error of the one that is; the curve is the sum of the values
       type(allan_curve_type) :: curve
       type(noise_type) :: all_terms, alone
       real(dp) :: rate(3000)
 
       rate = normal_series(size(rate, kind=int64), 4711_int64)
-      call fit_record(error, rate, 0.5_dp, noise_options(), curve, all_terms)
-      if (.not. allocated(error)) call fit_record(error, rate, 0.5_dp, noise_options("N"), curve, alone)
-      if (allocated(error)) return
-      call check(error, count(all_terms%coefficient%detected) == 1 .and. all(all_terms%coefficient%fitted), "N alone is there")
-      if (allocated(error)) return
+      if (not_fitted(rate, 0.5_dp, noise_options(), curve, all_terms)) return
+      if (not_fitted(rate, 0.5_dp, noise_options("N"), curve, alone)) return
+      if (unmet(count(all_terms%coefficient%detected) == 1 .and. all(all_terms%coefficient%fitted), "N alone is there")) return
       associate (n => all_terms%coefficient(2), hidden => all_terms%coefficient([1, 3, 4, 5]))
          call check(error, n%value, alone%coefficient(2)%value, thr=1.0e-6_dp, rel=.true.)
          call check(error, n%std_error, alone%coefficient(2)%std_error, thr=1.0e-6_dp, rel=.true.)
@@ -394,9 +349,7 @@ contains
       end associate
    end subroutine test_chosen_alone
 
-   subroutine test_coverage(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_coverage()
       ! N and K of 300 records: biases within 4 of their standard errors, intervals and limits cover what they say within 4 standard
       ! deviations of such a share (bench/allan_fit has more records)
       integer, parameter :: records = 300, samples = 2000, term(2) = [2, 4]
@@ -409,9 +362,8 @@ contains
 
       do i = 1, records
          g = normal_series(size(g, kind=int64), int(7919*i, int64))
-         call fit_record(error, truth(1)*g(:samples) + truth(2)*walk_of(g(samples + 1:2*samples), g(2*samples + 1:)), 1.0_dp, &
-            & noise_options("NK"), curve, noise)
-         if (allocated(error)) return
+         if (not_fitted(truth(1)*g(:samples) + truth(2)*walk_of(g(samples + 1:2*samples), g(2*samples + 1:)), 1.0_dp, &
+            & noise_options("NK"), curve, noise)) return
          outcome(1, :, i) = noise%coefficient(term)%value
          outcome(2, :, i) = noise%coefficient(term)%std_error
          outcome(3, :, i) = noise%coefficient(term)%upper_limit
@@ -423,7 +375,6 @@ contains
          call check(error, abs(share(abs(size_of_error) < 1) - normal_68) < tolerance(normal_68), "one standard error")
          call check(error, abs(share(abs(size_of_error) < 1.96_dp) - normal_95) < tolerance(normal_95), "two standard errors")
          call check(error, abs(share(limit > truth(k)) - normal_95) < tolerance(normal_95), "the limit")
-         if (allocated(error)) return
       end do
 
    contains
@@ -444,49 +395,38 @@ contains
 
    end subroutine test_coverage
 
-   subroutine test_grids(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_grids()
       ! the fit does not depend on the averaging times that are shown
       character(8), parameter :: taus(3) = [character(8) :: "all", "log:7", "300,900"]
       type(allan_options) :: grid
       type(allan_curve_type) :: curve
       type(noise_type) :: octave, noise
-      type(gyro_error), allocatable :: failure
       integer :: i
 
-      call fit_record(error, mixed_record(5000), 1.0_dp, noise_options(), curve, octave)
-      if (allocated(error)) return
+      if (not_fitted(mixed_record(5000), 1.0_dp, noise_options(), curve, octave)) return
       do i = 1, 3
          grid%taus = trim(taus(i))
          call compute_allan(mixed_record(5000), 1.0_dp, grid, curve, failure)
          if (.not. allocated(failure)) call fit_noise(curve, noise_options(), noise, failure)
-         call check(error, .not. allocated(failure))
-         if (allocated(error)) return
-         call check(error, size(noise%model) == size(curve%m) .and. noise%points == octave%points, trim(taus(i)))
-         if (allocated(error)) return
+         if (went_wrong(failure)) return
+         if (unmet(size(noise%model) == size(curve%m) .and. noise%points == octave%points, trim(taus(i)))) return
          call check(error, maxval(abs([noise%coefficient%value - octave%coefficient%value, &
             & noise%coefficient%upper_limit - octave%coefficient%upper_limit])) < 1.0e-9_dp, trim(taus(i)))
-         if (allocated(error)) return
       end do
    end subroutine test_grids
 
-   subroutine test_limits_of_curve(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_limits_of_curve()
       ! white noise: from m = 32 on the mixture's degrees of freedom are those of Greenhall & Riley; at m = 1 they are
       ! exactly (n - 1)/1.5, as the differences of neighbors have the correlation -1/2 (and the samples are uniform: kurtosis
       ! -1.2, not significant)
       type(allan_curve_type) :: before, after
       type(noise_type) :: noise
-      type(gyro_error), allocatable :: failure
       integer :: i
 
       call compute_allan(nbs14_long(), 1.0_dp, allan_options(), before, failure)
       after = before
       call fit_noise(after, noise_options("N"), noise, failure)
-      call check(error, .not. allocated(failure), "the fit failed")
-      if (allocated(error)) return
+      if (went_wrong(failure, "the fit failed")) return
       do i = 6, 8
          call check(error, after%edf(i), before%edf(i), thr=0.05_dp, rel=.true.)
          call check(error, after%upper(i), before%upper(i), thr=0.02_dp, rel=.true.)
@@ -496,12 +436,9 @@ contains
       call check(error, abs(noise%coefficient(2)%value - 0.2884664_dp) < 3*noise%coefficient(2)%std_error, "N")
    end subroutine test_limits_of_curve
 
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_failures()
       type(allan_curve_type) :: curve, empty
       type(noise_type) :: noise
-      type(gyro_error), allocatable :: failure
       integer :: codes(6)
 
       call fit_noise(empty, noise_options(), noise, failure)

@@ -3,23 +3,18 @@
 module test_allan_noise_model
    use gyroakf_kinds, only : dp
    use gyroakf_allan_noise_model, only : model_variance
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    implicit none (type, external)
    private
-   public :: collect_allan_noise_model
+   public :: suite_allan_noise_model
 
 contains
 
-   subroutine collect_allan_noise_model(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_allan_noise_model()
+      call test("terms", test_terms)
+   end subroutine suite_allan_noise_model
 
-      testsuite = [new_unittest("terms", test_terms)]
-   end subroutine collect_allan_noise_model
-
-   subroutine test_terms(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_terms()
       ! IEEE Std 952, annex C, at tau = 4: 3 Q^2/tau^2, N^2/tau, (2 ln 2/pi) B^2 with sqrt(2 ln 2/pi) = 0.664282...,
       ! K^2 tau/3, R^2 tau^2/2
       real(dp), parameter :: expected(5) = [0.1875_dp, 0.25_dp, 0.44127120030530298_dp, 4.0_dp/3, 8.0_dp]

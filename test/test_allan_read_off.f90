@@ -2,34 +2,30 @@
 !> Tests of the coefficients that are read off a curve.
 module test_allan_read_off
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_model, only : model_variance
    use gyroakf_allan_read_off, only : read_off, read_off_type
    use allan_series, only : flicker_of, nbs14_long, normal_series, walk_of
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_allan_read_off
+   public :: suite_allan_read_off
 
 contains
 
-   subroutine collect_allan_read_off(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("single_terms", test_single_terms), &
-         & new_unittest("weights", test_weights), &
-         & new_unittest("mixture", test_mixture), &
-         & new_unittest("bend_is_no_segment", test_bend), &
-         & new_unittest("every_grid", test_every_grid), &
-         & new_unittest("nbs14", test_nbs14), &
-         & new_unittest("simulated", test_simulated), &
-         & new_unittest("minimum", test_minimum), &
-         & new_unittest("scale", test_scale), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_allan_read_off
+   subroutine suite_allan_read_off()
+      call test("single_terms", test_single_terms)
+      call test("weights", test_weights)
+      call test("mixture", test_mixture)
+      call test("bend_is_no_segment", test_bend)
+      call test("every_grid", test_every_grid)
+      call test("nbs14", test_nbs14)
+      call test("simulated", test_simulated)
+      call test("minimum", test_minimum)
+      call test("scale", test_scale)
+      call test("failures", test_failures)
+   end subroutine suite_allan_read_off
 
    !> A curve without scatter: m = 2^(k/per_octave), one sample in 0.01 s, white noise's degrees of freedom.
    subroutine noiseless(squares, per_octave, curve)
@@ -48,12 +44,9 @@ contains
    end subroutine noiseless
 
    !> Of a single term nothing but that term is there, and it is exact.
-   subroutine test_single_terms(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_single_terms()
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
       real(dp) :: squares(5)
       integer :: term
 
@@ -62,41 +55,33 @@ contains
          squares(term) = 2.5_dp**2
          call noiseless(squares, 1, curve)
          call read_off(curve, read, failed)
-         call check(error, .not. allocated(failed) .and. count(read%found) == 1 .and. read%found(term))
-         if (allocated(error)) return
+         if (unmet(.not. allocated(failed) .and. count(read%found) == 1 .and. read%found(term))) return
          call check(error, read%value(term), 2.5_dp, thr=2.5e-13_dp)
       end do
    end subroutine test_single_terms
 
    !> Points beside their line count by their degrees of freedom: the mean of the logarithms is weighted with them.
-   subroutine test_weights(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_weights()
       real(dp), parameter :: beside(5) = [0.004_dp, -0.002_dp, 0.001_dp, 0.003_dp, -0.004_dp]      ! decades
       real(dp), parameter :: edf(5) = [1600.0_dp, 800.0_dp, 400.0_dp, 200.0_dp, 100.0_dp]
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
 
       curve%samples = 3200
       curve%tau = [1.0_dp, 2.0_dp, 4.0_dp, 8.0_dp, 16.0_dp]
       curve%deviation = 0.3_dp/sqrt(curve%tau)*10**beside
       curve%edf = edf
       call read_off(curve, read, failed)
-      call check(error, .not. allocated(failed) .and. read%found(2) .and. read%to_tau(2) > 15.0_dp)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. read%found(2) .and. read%to_tau(2) > 15.0_dp)) return
       call check(error, read%value(2), 0.3_dp*10**(sum(edf*beside)/sum(edf)), thr=1e-14_dp, rel=.true.)
    end subroutine test_weights
 
    !> Terms far apart: each is read, never below the truth, and above it by little: where a neighbor bends the
    !> slope by 0.1, it has raised the deviation by 12 %, and K has a neighbor on both sides.
-   subroutine test_mixture(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_mixture()
       real(dp), parameter :: truth(5) = [1e-2_dp, 1.0_dp, 0.1_dp, 1e-4_dp, 1e-8_dp]
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
       integer :: i
 
       call noiseless(truth**2, 3, curve)
@@ -114,12 +99,9 @@ contains
    end subroutine test_mixture
 
    !> Q and K without N and B between them: the curve passes the slopes -1/2 and 0 within a tenth of a decade.
-   subroutine test_bend(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_bend()
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
 
       call noiseless([1.0_dp, 0.0_dp, 0.0_dp, 1e-4_dp, 0.0_dp], 8, curve)
       call read_off(curve, read, failed)
@@ -127,13 +109,10 @@ contains
    end subroutine test_bend
 
    !> The grid hardly matters.
-   subroutine test_every_grid(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_every_grid()
       real(dp), parameter :: squares(5) = [0.0_dp, 1.0_dp, 0.4_dp, 2e-3_dp, 0.0_dp]
       type(allan_curve_type) :: curve
       type(read_off_type) :: read, fine
-      type(gyro_error), allocatable :: failed
 
       call noiseless(squares, 1, curve)
       call read_off(curve, read, failed)
@@ -144,49 +123,38 @@ contains
    end subroutine test_every_grid
 
    !> White noise of variance 1/12: N = 0.2887, nothing else; each point is read with 4 % scatter or less.
-   subroutine test_nbs14(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_nbs14()
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
 
       call compute_allan(nbs14_long(), 1.0_dp, allan_options(), curve, failed)
       if (.not. allocated(failed)) call read_off(curve, read, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, all(read%found .eqv. [.false., .true., .false., .false., .false.]))
       call check(error, read%value(2), sqrt(1/12.0_dp), thr=0.04_dp*sqrt(1/12.0_dp))
       call check(error, read%falling .and. read%minimum_tau > read%to_tau(2)/2)
    end subroutine test_nbs14
 
    !> White, flicker and random walk of 2^14 samples: all three are read, within 25 % (their lines raise each other).
-   subroutine test_simulated(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_simulated()
       integer(int64), parameter :: n = 16384
       real(dp), parameter :: truth(2:4) = [1.0_dp, 0.3_dp, 4e-3_dp]
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
       real(dp), allocatable :: x(:)
 
       x = truth(2)*normal_series(n, 5_int64) + truth(3)*flicker_of(normal_series(n, 6_int64)) &
          & + truth(4)*walk_of(normal_series(n, 7_int64), normal_series(n, 8_int64))
       call compute_allan(x, 1.0_dp, allan_options(), curve, failed)
       if (.not. allocated(failed)) call read_off(curve, read, failed)
-      call check(error, .not. allocated(failed) .and. all(read%found(2:3)) .and. .not. any(read%found([1, 5])))
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. all(read%found(2:3)) .and. .not. any(read%found([1, 5])))) return
       call check(error, maxval(abs(read%value(2:3)/truth(2:3) - 1)), 0.0_dp, thr=0.25_dp)
    end subroutine test_simulated
 
    !> The lowest point with enough degrees of freedom, not the lowest of all.
-   subroutine test_minimum(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_minimum()
       type(allan_curve_type) :: curve
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
 
       call noiseless([0.0_dp, 1.0_dp, 0.0_dp, 3.0_dp, 0.0_dp], 1, curve)     ! sqrt(1/tau + tau): lowest near 1
       curve%deviation(24) = 1e-3_dp
@@ -201,14 +169,11 @@ contains
    end subroutine test_minimum
 
    !> Other units of the rate and of the time.
-   subroutine test_scale(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_scale()
       real(dp), parameter :: squares(5) = [0.0_dp, 1.0_dp, 0.4_dp, 2e-3_dp, 0.0_dp]
       real(dp), parameter :: power(5) = [1.0_dp, 0.5_dp, 0.0_dp, -0.5_dp, -1.0_dp]
       type(allan_curve_type) :: curve
       type(read_off_type) :: read, scaled
-      type(gyro_error), allocatable :: failed
 
       call noiseless(squares, 2, curve)
       call read_off(curve, read, failed)
@@ -220,12 +185,9 @@ contains
       call check(error, scaled%minimum, 3*read%minimum, thr=1e-12_dp)
    end subroutine test_scale
 
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_failures()
       type(allan_curve_type) :: curve, empty
       type(read_off_type) :: read
-      type(gyro_error), allocatable :: failed
 
       call noiseless([1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp, 1.0_dp], 1, curve)
       curve%kind = "mdev"

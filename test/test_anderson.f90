@@ -3,15 +3,14 @@
 !> (series_library, 1000 samples each), rounded once; published ones with their source.
 module test_anderson
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_anderson_darling, only : anderson_darling_options, anderson_darling_type, test_anderson_darling, &
       & anderson_darling_p, rounding_statistic
    use series_library, only : reference_series, reference_names
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, check_refused
    implicit none (type, external)
    private
-   public :: collect_anderson
+   public :: suite_anderson
 
    !> A sum of 1000 terms of size 1 gives 0.2: a relative error of 1e-16 sqrt(1000)/0.2 is expected
    real(dp), parameter :: tolerance = 1.0e-12_dp
@@ -27,21 +26,18 @@ module test_anderson
 
 contains
 
-   subroutine collect_anderson(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("published", test_published), &
-         & new_unittest("far_tails", test_far_tails), &
-         & new_unittest("two_valued", test_two_valued), &
-         & new_unittest("p_value", test_p_value), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("thinned", test_thinned), &
-         & new_unittest("rounding", test_rounding), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_anderson
+   subroutine suite_anderson()
+      call test("reference", test_reference)
+      call test("published", test_published)
+      call test("far_tails", test_far_tails)
+      call test("two_valued", test_two_valued)
+      call test("p_value", test_p_value)
+      call test("offset_scale", test_offset_scale)
+      call test("missing", test_missing)
+      call test("thinned", test_thinned)
+      call test("rounding", test_rounding)
+      call test("failures", test_failures)
+   end subroutine suite_anderson
 
    !> The test of a series; -1 where it fails.
    subroutine run(x, result, valid, most)
@@ -54,7 +50,6 @@ contains
       !> Largest number of samples
       integer(int64), intent(in), optional :: most
       type(anderson_darling_options) :: options
-      type(gyro_error), allocatable :: problem
 
       if (present(most)) options%most_samples = most
       call test_anderson_darling(x, options, result, problem, valid)
@@ -62,8 +57,7 @@ contains
    end subroutine run
 
    !> The eleven series.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(anderson_darling_type) :: ad
       integer :: i
 
@@ -77,8 +71,7 @@ contains
 
    !> Weights of 20 Leghorn chicks (Bliss), of 11 men (Snedecor), and 50 numbers of a telephone book (Conover): 0.214 and
    !> 0.947 in Stephens' chapter of D'Agostino & Stephens (1986); A*^2 = 0.339, p = 0.50 in the manual of IMSL's ADNRM.
-   subroutine test_published(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_published()
       real(dp), parameter :: chicks(20) = [156.0_dp, 162.0_dp, 168.0_dp, 182.0_dp, 186.0_dp, 190.0_dp, 190.0_dp, 196.0_dp, &
          & 202.0_dp, 210.0_dp, 214.0_dp, 220.0_dp, 226.0_dp, 230.0_dp, 230.0_dp, 236.0_dp, 236.0_dp, 242.0_dp, 246.0_dp, 270.0_dp]
       real(dp), parameter :: men(11) = [148.0_dp, 154.0_dp, 158.0_dp, 160.0_dp, 161.0_dp, 162.0_dp, 166.0_dp, 170.0_dp, &
@@ -97,8 +90,7 @@ contains
    end subroutine test_published
 
    !> A sample 100 standard deviations out: its tail is 1e-2174, its logarithm a number.
-   subroutine test_far_tails(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_far_tails()
       type(anderson_darling_type) :: ad
       real(dp) :: x(10001)
       integer :: i
@@ -112,8 +104,7 @@ contains
    end subroutine test_far_tails
 
    !> Ties are no trouble.
-   subroutine test_two_valued(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_two_valued()
       type(anderson_darling_type) :: ad
       integer :: i
 
@@ -122,8 +113,7 @@ contains
    end subroutine test_two_valued
 
    !> The four ranges meet nearly; beyond 10 p stays. Upper points of D'Agostino & Stephens (1986), Table 4.7.
-   subroutine test_p_value(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_p_value()
       real(dp), parameter :: joint(3) = [0.2_dp, 0.34_dp, 0.6_dp]
       real(dp), parameter :: point(5) = [0.561_dp, 0.631_dp, 0.752_dp, 0.873_dp, 1.035_dp]
       real(dp), parameter :: level(5) = [0.15_dp, 0.10_dp, 0.05_dp, 0.025_dp, 0.01_dp]
@@ -140,8 +130,7 @@ contains
    end subroutine test_p_value
 
    !> Powers of two are exact, and so is the offset for multiples of 1/1024; 1e6 + 1e-3 x to what the doubles hold.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(anderson_darling_type) :: a, b
       real(dp), allocatable :: x(:)
 
@@ -156,8 +145,7 @@ contains
    end subroutine test_offset_scale
 
    !> Missing samples count as if they were not there, also where the series is thinned.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(anderson_darling_type) :: a, b
       real(dp), allocatable :: x(:)
       integer(int8) :: valid(3000)
@@ -175,8 +163,7 @@ contains
    end subroutine test_missing
 
    !> Every third sample of 3000, and the same samples alone.
-   subroutine test_thinned(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_thinned()
       type(anderson_darling_type) :: a, b
       real(dp), allocatable :: x(:)
 
@@ -189,8 +176,7 @@ contains
    end subroutine test_thinned
 
    !> Rounding 70,000 normal samples to half a standard deviation gives what the formula says, to a tenth.
-   subroutine test_rounding(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_rounding()
       type(anderson_darling_type) :: ad
       real(dp), allocatable :: x(:)
 
@@ -200,26 +186,18 @@ contains
    end subroutine test_rounding
 
    !> Seven samples, a constant series, a limit of seven.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(anderson_darling_options) :: options
       type(anderson_darling_type) :: ad
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       call test_anderson_darling([(real(i*i, dp), i=1, 7)], options, ad, problem)
-      call check(error, allocated(problem), "seven samples were accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
       call test_anderson_darling([(0.1_dp, i=1, 9)], options, ad, problem)
-      call check(error, allocated(problem), "a constant series was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%constant_input)
+      call check_refused(problem, status%constant_input)
       options%most_samples = 7
       call test_anderson_darling([(real(i*i, dp), i=1, 20)], options, ad, problem)
-      call check(error, allocated(problem), "a limit of seven was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%invalid_argument)
+      call check_refused(problem, status%invalid_argument)
    end subroutine test_failures
 
 end module test_anderson

@@ -2,16 +2,15 @@
 !> Tests of the AR models and their criteria. The reference values were computed in exact arithmetic
 !> from the doubles of the series (series_library, 1000 samples each) and rounded once.
 module test_ar
-   use expectations, only : check, check_refused
+   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_ar_criteria, only : ar_order_type, best_order, criterion_number, order_criteria
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use series_library, only : reference_series, reference_names
-   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
-   public :: collect_ar
+   public :: suite_ar
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
    real(dp), parameter :: log_two_pi = 1.8378770664093454836_dp
@@ -74,27 +73,23 @@ module test_ar
 
 contains
 
-   subroutine collect_ar(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("paper_table_1", test_paper_table_1), &
-         & new_unittest("criteria_by_hand", test_criteria_by_hand), &
-         & new_unittest("best_order", test_best_order), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("standard_errors", test_standard_errors), &
-         & new_unittest("choice", test_choice), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("residuals", test_residuals), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("order_zero", test_order_zero), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_ar
+   subroutine suite_ar()
+      call test("paper_table_1", test_paper_table_1)
+      call test("criteria_by_hand", test_criteria_by_hand)
+      call test("best_order", test_best_order)
+      call test("reference", test_reference)
+      call test("standard_errors", test_standard_errors)
+      call test("choice", test_choice)
+      call test("offset_scale", test_offset_scale)
+      call test("residuals", test_residuals)
+      call test("missing", test_missing)
+      call test("order_zero", test_order_zero)
+      call test("failures", test_failures)
+   end subroutine suite_ar
 
    !> The paper's record: variance 5.24e-4, AR(1) with 0.409975, 12 000 samples. Per observation -4.9000,
    !> -4.8998, -4.8997 for the orders 1, 2, 3 (the paper prints -4.8930 for the first).
-   subroutine test_paper_table_1(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_paper_table_1()
       type(ar_order_type) :: line
       real(dp), parameter :: expected(3) = [-4.9000_dp, -4.8998_dp, -4.8997_dp]
       integer :: p
@@ -106,8 +101,7 @@ contains
    end subroutine test_paper_table_1
 
    !> s2 = 1, n = 100, p = 2: k = 3, -2 ln L = 100 (1 + ln 2 pi).
-   subroutine test_criteria_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_criteria_by_hand()
       type(ar_order_type) :: line
       real(dp) :: l
 
@@ -122,8 +116,7 @@ contains
    end subroutine test_criteria_by_hand
 
    !> The smallest value wins, of equal ones the smaller order.
-   subroutine test_best_order(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_best_order()
       character(4), parameter :: name(5) = [character(4) :: "aic", "aicc", "bic", "hqic", "fpe"]
       type(ar_order_type) :: table(4)
       integer :: i
@@ -138,18 +131,15 @@ contains
    end subroutine test_best_order
 
    !> Coefficients, variance and criteria of the eleven series.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       real(dp) :: shift
       integer :: i
 
       shift = 1000.0_dp*(1.0_dp + log_two_pi)
       do i = 1, size(reference_names)
          call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(order=4, max_order=6), model, problem)
-         call check(error, .not. allocated(problem), reference_names(i))
-         if (allocated(error)) return
+         if (went_wrong(problem, reference_names(i))) return
          call check(error, maxval(abs(model%coefficient - phi_of(:, i))), 0.0_dp, reference_names(i), thr=tolerance)
          call check(error, model%noise_variance, variance_of(i), reference_names(i), thr=tolerance, rel=.true.)
          call check(error, maxval(abs(model%table(2:)%aic - aic_of(:, i) - shift - 2.0_dp)), 0.0_dp, &
@@ -160,30 +150,24 @@ contains
    end subroutine test_reference
 
    !> AR(1): sqrt((1 - phi^2)/n); AR(2): both sqrt((1 - phi_2^2)/n).
-   subroutine test_standard_errors(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_standard_errors()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(reference_series("ar1", 1000), ar_options(order=1), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
       call fit_ar(reference_series("ar2", 1000), ar_options(order=2), model, problem)
       call check(error, maxval(abs(model%std_error - sqrt((1.0_dp - model%coefficient(2)**2)/1000.0_dp))), 0.0_dp, thr=tolerance)
    end subroutine test_standard_errors
 
    !> BIC finds the orders 1 and 2; AIC goes to the largest order of 6, and says so.
-   subroutine test_choice(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_choice()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, 2
          call fit_ar(reference_series(merge("ar1", "ar2", i == 1), 1000), ar_options(criterion="bic", max_order=6), model, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, model%order, i)
          call check(error, .not. model%largest_order_chosen, "BIC did not choose the largest")
          call fit_ar(reference_series(merge("ar1", "ar2", i == 1), 1000), ar_options(max_order=6), model, problem)
@@ -193,17 +177,14 @@ contains
    end subroutine test_choice
 
    !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
 
       x = anint(1024.0_dp*reference_series("ar2", 6000))/1024.0_dp
       call fit_ar(x, ar_options(max_order=5), a, problem)
       call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(max_order=5), b, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, a%order, b%order)
       call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
       call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
@@ -212,14 +193,11 @@ contains
    end subroutine test_offset_scale
 
    !> White with the right order, not with one too small; 20 lags, order subtracted.
-   subroutine test_residuals(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_residuals()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(reference_series("ar2", 5000), ar_options(order=2), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, model%residual_ljung_box%lags == 20 .and. model%residual_ljung_box%fitted == 2, "degrees of freedom")
       call check(error, model%residual_ljung_box%p_value > 0.01_dp, "residuals of AR(2) are white")
       call fit_ar(reference_series("ar2", 5000), ar_options(order=1), model, problem)
@@ -229,12 +207,10 @@ contains
    end subroutine test_residuals
 
    !> 5 % and 40 % lost: phi within three standard errors of the whole series' (more as samples go).
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(ar_model_type) :: whole, model
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       x = reference_series("ar2", 20000)
@@ -243,8 +219,7 @@ contains
          valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 20000), 10000) < merge(0.05_dp, 0.4_dp, i == 1))
          where (valid == 0_int8) x = 1.0e7_dp
          call fit_ar(x, ar_options(order=2), model, problem, valid)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, all(abs(model%coefficient - whole%coefficient) < 3.0_dp*model%std_error), "coefficients")
          call check(error, model%std_error(1)/whole%std_error(1), merge(1.0_dp/0.95_dp, 1.0_dp/0.6_dp, i == 1), &
             & "standard errors grow with the pairs that are lost", thr=0.02_dp, rel=.true.)
@@ -254,24 +229,19 @@ contains
    end subroutine test_missing
 
    !> Order 0: the mean and the variance.
-   subroutine test_order_zero(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_order_zero()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(order=0, max_order=0), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, size(model%coefficient) + size(model%std_error), 0)
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
+      if (unmet(size(model%coefficient) + size(model%std_error), 0)) return
       call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
       call check(error, model%mean, 2.5_dp, thr=tolerance)
       call check(error, .not. model%largest_order_chosen, "there was nothing to choose")
    end subroutine test_order_zero
 
    !> Each error; the only pair of neighbors that gaps leave can be worth more than the variance.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(30)
       integer(int8) :: valid(30)
       integer :: i
@@ -279,26 +249,25 @@ contains
       x = reference_series("wn", 30)
       valid = 0_int8
       valid(1:5) = 1_int8
-      call refused(error, x, ar_options(method="best"), status%invalid_argument)
-      call refused(error, x, ar_options(criterion="best"), status%invalid_argument)
-      call refused(error, x, ar_options(max_order=-1), status%invalid_argument)
-      call refused(error, x, ar_options(max_order=27), status%too_few_samples)
-      call refused(error, x, ar_options(max_order=2), status%too_few_samples, valid)
+      call refused(x, ar_options(method="best"), status%invalid_argument)
+      call refused(x, ar_options(criterion="best"), status%invalid_argument)
+      call refused(x, ar_options(max_order=-1), status%invalid_argument)
+      call refused(x, ar_options(max_order=27), status%too_few_samples)
+      call refused(x, ar_options(max_order=2), status%too_few_samples, valid)
       x = 0.1_dp
-      call refused(error, x, ar_options(), status%constant_input)
+      call refused(x, ar_options(), status%constant_input)
       x = 0.0_dp
       x(1:2) = 10.0_dp
       valid = [(int(1 - mod(i, 2), int8), i=1, 30)]
       valid(1) = 1_int8
-      call refused(error, x, ar_options(), status%singular, valid)
+      call refused(x, ar_options(), status%singular, valid)
       x = reference_series("wn", 30)
       valid(1) = 0_int8                                                ! every other sample: no pair at an odd lag
-      call refused(error, x, ar_options(order=2), status%too_few_samples, valid)
+      call refused(x, ar_options(order=2), status%too_few_samples, valid)
    end subroutine test_failures
 
    !> Fails unless the fit is refused with the code.
-   subroutine refused(error, x, options, code, valid)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine refused(x, options, code, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Options
@@ -308,10 +277,9 @@ contains
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(x, options, model, problem, valid)
-      call check_refused(error, problem, code)
+      call check_refused(problem, code)
    end subroutine refused
 
 end module test_ar

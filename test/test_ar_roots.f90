@@ -3,13 +3,12 @@
 module test_ar_roots
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_ar_roots, only : ar_root_type, find_ar_roots, largest_modulus
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_ar_roots
+   public :: suite_ar_roots
 
    !> Simple roots well apart come to a few units in the last place of the coefficients
    real(dp), parameter :: tolerance = 1.0e-13_dp
@@ -17,24 +16,18 @@ module test_ar_roots
 
 contains
 
-   subroutine collect_ar_roots(testsuite)
-      !> Gets the tests
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("pair", test_pair), &
-         & new_unittest("known_roots", test_known_roots), &
-         & new_unittest("circle", test_circle), &
-         & new_unittest("scale_of_coefficients", test_wide_range), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_ar_roots
+   subroutine suite_ar_roots()
+      call test("by_hand", test_by_hand)
+      call test("pair", test_pair)
+      call test("known_roots", test_known_roots)
+      call test("circle", test_circle)
+      call test("scale_of_coefficients", test_wide_range)
+      call test("failures", test_failures)
+   end subroutine suite_ar_roots
 
    !> One real root, positive, negative, zero and outside the circle; order 0 has none.
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(ar_root_type), allocatable :: root(:)
-      type(gyro_error), allocatable :: problem
 
       call find_ar_roots([0.5_dp], root, problem)
       call check(error, abs(root(1)%time_constant - 1.0_dp/log(2.0_dp)) < tolerance .and. root(1)%frequency <= 0.0_dp &
@@ -50,11 +43,9 @@ contains
    end subroutine test_by_hand
 
    !> A pair r exp(+-i w): phi = 2 r cos w, -r^2.
-   subroutine test_pair(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_pair()
       real(dp), parameter :: r = 0.99_dp, f = 0.12_dp
       type(ar_root_type), allocatable :: root(:)
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       call find_ar_roots([2.0_dp*r*cos(two_pi*f), -r*r], root, problem)
@@ -67,11 +58,9 @@ contains
    end subroutine test_pair
 
    !> The polynomial of given roots: 0.95, -0.8, 0.7 exp(+-i pi/3), 0.3, 0; the largest comes first.
-   subroutine test_known_roots(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_known_roots()
       complex(dp) :: z(6), polynomial(0:6)
       type(ar_root_type), allocatable :: root(:)
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       z = [(0.95_dp, 0.0_dp), (-0.8_dp, 0.0_dp), 0.7_dp*exp(cmplx(0.0_dp, two_pi/6.0_dp, dp)), &
@@ -82,17 +71,14 @@ contains
          polynomial(1:i) = polynomial(1:i) - z(i)*polynomial(0:i - 1)
       end do
       call find_ar_roots(-real(polynomial(1:), dp), root, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(cmplx(root%real_part, root%imaginary_part, dp) - z)), 0.0_dp, thr=tolerance)
    end subroutine test_known_roots
 
    !> z^12 = 1: twelve roots on the unit circle.
-   subroutine test_circle(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_circle()
       real(dp) :: phi(12)
       type(ar_root_type), allocatable :: root(:)
-      type(gyro_error), allocatable :: problem
 
       phi = 0.0_dp
       phi(12) = 1.0_dp
@@ -102,12 +88,10 @@ contains
    end subroutine test_circle
 
    !> Roots 1e-3 .. 1e3: balancing keeps the digits of the small ones.
-   subroutine test_wide_range(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_wide_range()
       real(dp), parameter :: z(4) = [1.0e3_dp, 10.0_dp, 0.1_dp, 1.0e-3_dp]
       real(dp) :: polynomial(0:4)
       type(ar_root_type), allocatable :: root(:)
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       polynomial = 0.0_dp
@@ -120,15 +104,11 @@ contains
    end subroutine test_wide_range
 
    !> A coefficient that is not finite.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(ar_root_type), allocatable :: root(:)
-      type(gyro_error), allocatable :: problem
 
       call find_ar_roots([0.5_dp, ieee_value(1.0_dp, ieee_quiet_nan)], root, problem)
-      call check(error, allocated(problem), "NaN was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%non_finite)
+      call check_refused(problem, status%non_finite)
    end subroutine test_failures
 
 end module test_ar_roots

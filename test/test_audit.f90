@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The audit of time stamps: what is a gap and what is not.
 module test_audit
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_audit, only : audit_stamps, gap_type
@@ -14,7 +13,7 @@ module test_audit
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    implicit none (type, external)
    private
-   public :: collect_audit
+   public :: suite_audit
 
    !> Samples of the series
    integer, parameter :: n = 4000
@@ -27,30 +26,27 @@ module test_audit
 contains
 
    !> Names the tests.
-   subroutine collect_audit(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("even", test_even), &
-         new_unittest("jitter", test_jitter), &
-         new_unittest("late-delivery", test_late), &
-         new_unittest("gap", test_gap), &
-         new_unittest("many-gaps", test_many_gaps), &
-         new_unittest("gaps-in-jitter", test_gaps_in_jitter), &
-         new_unittest("losses-in-jitter", test_losses_in_jitter), &
-         new_unittest("losses-on-a-grid", test_losses_on_grid), &
-         new_unittest("bursts", test_bursts), &
-         new_unittest("bursts-with-loss", test_burst_loss), &
-         new_unittest("coarse-clock", test_coarse), &
-         new_unittest("clock-beat", test_beat), &
-         new_unittest("duplicates", test_duplicates), &
-         new_unittest("clock-set-back", test_set_back), &
-         new_unittest("clock-set-forward", test_set_forward), &
-         new_unittest("missing-stamps", test_missing_stamps), &
-         new_unittest("gap-in-a-file", test_gap_in_file), &
-         new_unittest("repeated-rows-and-gap", test_repeated_rows), &
-         new_unittest("lines", test_lines)]
-   end subroutine collect_audit
+   subroutine suite_audit()
+      call test("even", test_even)
+      call test("jitter", test_jitter)
+      call test("late-delivery", test_late)
+      call test("gap", test_gap)
+      call test("many-gaps", test_many_gaps)
+      call test("gaps-in-jitter", test_gaps_in_jitter)
+      call test("losses-in-jitter", test_losses_in_jitter)
+      call test("losses-on-a-grid", test_losses_on_grid)
+      call test("bursts", test_bursts)
+      call test("bursts-with-loss", test_burst_loss)
+      call test("coarse-clock", test_coarse)
+      call test("clock-beat", test_beat)
+      call test("duplicates", test_duplicates)
+      call test("clock-set-back", test_set_back)
+      call test("clock-set-forward", test_set_forward)
+      call test("missing-stamps", test_missing_stamps)
+      call test("gap-in-a-file", test_gap_in_file)
+      call test("repeated-rows-and-gap", test_repeated_rows)
+      call test("lines", test_lines)
+   end subroutine suite_audit
 
    !> Even stamps.
    function even() result(t)
@@ -81,8 +77,7 @@ contains
    end function bursts
 
    !> Audits; the rate has to be 100 Hz within a relative difference.
-   subroutine expect(error, t, gaps_expected, lost, tolerance, audit)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect(t, gaps_expected, lost, tolerance, audit)
       real(dp), intent(inout), contiguous :: t(:)
       integer, intent(in) :: gaps_expected, lost
       real(dp), intent(in) :: tolerance
@@ -95,31 +90,28 @@ contains
       call check(error, audit%stamp_rate, 1.0_dp/dt, thr=tolerance, rel=.true., more="rate")
    end subroutine expect
 
-   subroutine test_even(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_even()
       type(audit_type) :: audit
       real(dp) :: t(n)
 
       t = even()
-      call expect(error, t, 0, 0, 1.0e-13_dp, audit)
+      call expect(t, 0, 0, 1.0e-13_dp, audit)
       call check(error, audit%jitter_max < 1.0e-12_dp .and. audit%duplicates == 0 .and. audit%backward_steps == 0, "even")
    end subroutine test_even
 
    !> Up to 45 % of the interval; the ends of the record say the rate to 0.9/n.
-   subroutine test_jitter(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_jitter()
       type(audit_type) :: audit
       real(dp) :: t(n)
       integer :: i
 
       t = even() + 0.45_dp*dt*[(noise(i), i=1, n)]
-      call expect(error, t, 0, 0, 1.0_dp/n, audit)
+      call expect(t, 0, 0, 1.0_dp/n, audit)
       call check(error, audit%jitter_max > 0.4_dp*dt .and. audit%jitter_max < 1.5_dp*dt, "jitter")
    end subroutine test_jitter
 
    !> Eight samples that arrive together, after the last of them was due.
-   subroutine test_late(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_late()
       type(audit_type) :: audit
       real(dp) :: t(n)
       integer :: k
@@ -128,25 +120,23 @@ contains
       do k = 1, 5
          t(700*k:700*k + 7) = t(700*k + 7) + 1.0e-4_dp*[0, 1, 2, 3, 4, 5, 6, 7]
       end do
-      call expect(error, t, 0, 0, 1.0e-13_dp, audit)
+      call expect(t, 0, 0, 1.0e-13_dp, audit)
       call check(error, audit%jitter_max, 7*dt, thr=1.0e-10_dp)
    end subroutine test_late
 
-   subroutine test_gap(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gap()
       type(audit_type) :: audit
       real(dp) :: t(n)
       integer :: i
 
       t = even() + 0.2_dp*dt*[(noise(i), i=1, n)]
       t(1000:) = t(1000:) + 5*dt
-      call expect(error, t, 1, 5, 1.0_dp/n, audit)
+      call expect(t, 1, 5, 1.0_dp/n, audit)
       call check(error, audit%line_of_first(3), 1000_int64)
    end subroutine test_gap
 
    !> Five samples lost at a time: the jitter makes the steps there longer or shorter, and what is lost is rounded, not cut.
-   subroutine test_gaps_in_jitter(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps_in_jitter()
       type(audit_type) :: audit
       real(dp) :: t(n)
       integer :: i, k
@@ -155,13 +145,12 @@ contains
       do k = 1, 8
          t(430*k:) = t(430*k:) + 5*dt
       end do
-      call expect(error, t, 8, 40, 1.0_dp/n, audit)
+      call expect(t, 8, 40, 1.0_dp/n, audit)
    end subroutine test_gaps_in_jitter
 
    !> The same where the steps are too uneven to tell a loss by one of them: the level of the lag rises by a little more or less
    !> than five samples, and five were lost.
-   subroutine test_losses_in_jitter(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_losses_in_jitter()
       type(audit_type) :: audit
       real(dp) :: t(n)
       integer :: i, k
@@ -170,12 +159,11 @@ contains
       do k = 1, 4
          t(900*k:) = t(900*k:) + 5*dt
       end do
-      call expect(error, t, 4, 20, 1.0_dp/n, audit)
+      call expect(t, 4, 20, 1.0_dp/n, audit)
    end subroutine test_losses_in_jitter
 
    !> One sample lost in fifty, each at another place of the fifty.
-   subroutine test_many_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_many_gaps()
       type(audit_type) :: audit
       real(dp) :: t(n)
       integer :: k, i
@@ -184,12 +172,11 @@ contains
       do k = 1, 79
          t(50*k + mod(7*k, 40):) = t(50*k + mod(7*k, 40):) + dt
       end do
-      call expect(error, t, 79, 79, 1.0_dp/n, audit)
+      call expect(t, 79, 79, 1.0_dp/n, audit)
    end subroutine test_many_gaps
 
    !> One sample in twenty lost, the others on an even grid: fewer than 97 % of the steps are the interval.
-   subroutine test_losses_on_grid(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_losses_on_grid()
       type(audit_type) :: audit
       real(dp) :: t(n)
       integer :: k
@@ -198,23 +185,21 @@ contains
       do k = 1, 199
          t(20*k + mod(7*k, 17):) = t(20*k + mod(7*k, 17):) + dt
       end do
-      call expect(error, t, 199, 199, 1.0e-12_dp, audit)
+      call expect(t, 199, 199, 1.0e-12_dp, audit)
    end subroutine test_losses_on_grid
 
    !> The record may end with a burst that is 0.4 s late.
-   subroutine test_bursts(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_bursts()
       type(audit_type) :: audit
       real(dp) :: t(n)
 
       t = bursts()
-      call expect(error, t, 0, 0, 0.4_dp/(n*dt), audit)
+      call expect(t, 0, 0, 0.4_dp/(n*dt), audit)
       call check(error, audit%jitter_max > 0.1_dp, "jitter")
    end subroutine test_bursts
 
    !> Three seconds lost between bursts: 300 samples, up to the ten of a burst.
-   subroutine test_burst_loss(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_burst_loss()
       type(audit_type) :: audit
       type(gap_type) :: gaps
       real(dp) :: t(n)
@@ -229,19 +214,17 @@ contains
    end subroutine test_burst_loss
 
    !> A clock of 15.6 ms at 100 Hz: equal stamps, no gap.
-   subroutine test_coarse(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_coarse()
       type(audit_type) :: audit
       real(dp) :: t(n)
 
       t = aint(even()/0.0156_dp)*0.0156_dp
-      call expect(error, t, 0, 0, 2.0_dp/n, audit)
+      call expect(t, 0, 0, 2.0_dp/n, audit)
       call check(error, audit%duplicates > n/4, "duplicates")
    end subroutine test_coarse
 
    !> A clock that counts in nearly the sample interval: a step of two now and then is its beat with the samples, no loss.
-   subroutine test_beat(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_beat()
       type(audit_type) :: audit
       real(dp), parameter :: clock(3) = [0.00953_dp, 0.0099_dp, 0.00999_dp]
       real(dp) :: t(n)
@@ -249,52 +232,48 @@ contains
 
       do i = 1, 3
          t = anint(even()/clock(i))*clock(i)
-         call expect(error, t, 0, 0, 1.0_dp/n, audit)
+         call expect(t, 0, 0, 1.0_dp/n, audit)
          t = aint(even()/(2*dt - clock(i)))*(2*dt - clock(i))
-         call expect(error, t, 0, 0, 1.0_dp/n, audit)
+         call expect(t, 0, 0, 1.0_dp/n, audit)
       end do
    end subroutine test_beat
 
-   subroutine test_duplicates(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_duplicates()
       type(audit_type) :: audit
       real(dp) :: t(n)
 
       t = even()
       t(500) = t(499)
       t(900) = t(899) - 0.3_dp*dt
-      call expect(error, t, 0, 0, 1.0e-13_dp, audit)
+      call expect(t, 0, 0, 1.0e-13_dp, audit)
       call check(error, audit%duplicates == 1 .and. audit%backward_steps == 1, "counts")
       call check(error, all(audit%line_of_first == [500_int64, 900_int64, 0_int64]), "places")
    end subroutine test_duplicates
 
    !> A counter that starts anew: the record goes on by one sample.
-   subroutine test_set_back(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_set_back()
       type(audit_type) :: audit
       real(dp) :: t(n)
 
       t = even()
       t(2001:) = t(2001:) - t(2001)
-      call expect(error, t, 0, 0, 1.0e-12_dp, audit)
+      call expect(t, 0, 0, 1.0e-12_dp, audit)
       call check(error, audit%backward_steps, 1_int64)
    end subroutine test_set_back
 
    !> Fifty years are not filled with samples.
-   subroutine test_set_forward(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_set_forward()
       type(audit_type) :: audit
       real(dp) :: t(n)
 
       t = even()
       t(2001:) = t(2001:) + 1.6e9_dp
-      call expect(error, t, 0, 0, 1.0e-6_dp, audit)
+      call expect(t, 0, 0, 1.0e-6_dp, audit)
       call check(error, audit%gaps, 1_int64)
    end subroutine test_set_forward
 
    !> Rows without a time fill the places that are free between their neighbors, and are left out elsewhere; no stamp is invented.
-   subroutine test_missing_stamps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing_stamps()
       type(audit_type) :: audit
       type(gyro_error), allocatable :: failed
       real(dp), allocatable :: t(:), value(:, :)
@@ -308,18 +287,15 @@ contains
       t(500:) = t(500:) - dt
       t(500) = ieee_value(1.0_dp, ieee_quiet_nan)
       call leave_rows_out(t, value, audit, dropped, failed)
-      call check(error, .not. allocated(failed) .and. audit%untimed == 4 .and. audit%line_of_untimed == 1, "counts")
-      if (allocated(error)) return
-      call check(error, all(dropped == [1, 2, 500, n]) .and. size(t) == n - 4 .and. size(value, 1) == n - 4, "rows")
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. audit%untimed == 4 .and. audit%line_of_untimed == 1, "counts")) return
+      if (unmet(all(dropped == [1, 2, 500, n]) .and. size(t) == n - 4 .and. size(value, 1) == n - 4, "rows")) return
       call check(error, place_with(dropped, 498_int64, 1_int64), 501_int64)
-      call expect(error, t, 0, 0, 1.0e-12_dp, audit)
+      call expect(t, 0, 0, 1.0e-12_dp, audit)
       call check(error, audit%duplicates + audit%backward_steps, 0_int64)
    end subroutine test_missing_stamps
 
    !> The samples that were lost get their place.
-   subroutine test_gap_in_file(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gap_in_file()
       type(record_type) :: record
       type(gyro_error), allocatable :: failed
       character(16*100) :: content
@@ -338,8 +314,7 @@ contains
    end subroutine test_gap_in_file
 
    !> Rows written twice are left out, and a gap behind them stays where it is.
-   subroutine test_repeated_rows(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_repeated_rows()
       type(record_type) :: record
       type(gyro_error), allocatable :: failed
       character(16*402) :: content
@@ -356,8 +331,7 @@ contains
       call write_bytes(scratch_path("repeated.txt"), "t gx"//new_line("a")//content)
       call read_record(scratch_path("repeated.txt"), reader_options(), record, failed)
       call remove_file(scratch_path("repeated.txt"))
-      call check(error, .not. allocated(failed), "read")
-      if (allocated(error)) return
+      if (went_wrong(failed, "read")) return
       call check(error, record%audit%repeated == 2 .and. record%audit%missing == 3 .and. record%audit%gaps == 1, "counts")
       call check(error, all(record%present(201:203, 1) == 0) .and. sum(int(record%present)) == 400, "marks")
       call check(error, abs(record%value(200, 1) - 200) <= 0.0_dp .and. abs(record%value(204, 1) - 201) <= 0.0_dp, "values")
@@ -365,8 +339,7 @@ contains
    end subroutine test_repeated_rows
 
    !> Lines are counted with header, comments and blank lines.
-   subroutine test_lines(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_lines()
       type(record_type) :: record
       type(gyro_error), allocatable :: failed
       character(1), parameter :: nl = new_line("a")

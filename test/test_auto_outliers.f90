@@ -3,47 +3,40 @@
 module test_auto_outliers
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_preprocess_auto_outliers, only : auto_threshold, find_auto_outliers
    use gyroakf_preprocess_running_residual, only : block_residuals, block_size, find_coarse_step
    use gyroakf_select, only : find_median
    use allan_series, only : normal_series, uniform_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failure => problem, test, error, check
    use, intrinsic :: ieee_arithmetic, only : ieee_get_halting_mode, ieee_is_finite, ieee_set_flag, &
       & ieee_set_halting_mode, ieee_usual
    implicit none (type, external)
    private
-   public :: collect_auto_outliers
+   public :: suite_auto_outliers
 
 contains
 
-   subroutine collect_auto_outliers(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("residuals", test_residuals), &
-         & new_unittest("step", test_step), &
-         & new_unittest("nothing_to_find", test_nothing), &
-         & new_unittest("contamination", test_contamination), &
-         & new_unittest("spikes_on_drift", test_drift), &
-         & new_unittest("coarse_spikes", test_coarse), &
-         & new_unittest("motion", test_motion), &
-         & new_unittest("long_motion", test_long_motion), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("low_threshold", test_low_threshold), &
-         & new_unittest("huge_values", test_huge_values)]
-   end subroutine collect_auto_outliers
+   subroutine suite_auto_outliers()
+      call test("residuals", test_residuals)
+      call test("step", test_step)
+      call test("nothing_to_find", test_nothing)
+      call test("contamination", test_contamination)
+      call test("spikes_on_drift", test_drift)
+      call test("coarse_spikes", test_coarse)
+      call test("motion", test_motion)
+      call test("long_motion", test_long_motion)
+      call test("missing", test_missing)
+      call test("low_threshold", test_low_threshold)
+      call test("huge_values", test_huge_values)
+   end subroutine suite_auto_outliers
 
    !> A threshold that most of the noise exceeds ends the search, too, and is the one that was asked for.
-   subroutine test_low_threshold(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_low_threshold()
       real(dp), parameter :: wanted(6) = [1.0_dp, 0.5_dp, 0.1_dp, 1.0e-3_dp, 1.0e-9_dp, 1.0e-300_dp]
       integer(int64), parameter :: n = 3000
       real(dp) :: x(n), used
       integer(int8) :: inlier(n)
       integer(int64), allocatable :: motion(:, :)
-      type(gyro_error), allocatable :: failure
       integer :: i
 
       x = normal_series(n, 77_int64)
@@ -54,14 +47,12 @@ contains
    end subroutine test_low_threshold
 
    !> Values near the largest number, whose differences overflow, end the search with a finite threshold.
-   subroutine test_huge_values(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_huge_values()
       integer(int64), parameter :: n = 3000
       real(dp), parameter :: thresholds(4) = [1.0e-300_dp, 1.0_dp, 5.0_dp, 1.0e300_dp]
       real(dp) :: x(n), used
       integer(int8) :: inlier(n)
       integer(int64), allocatable :: motion(:, :)
-      type(gyro_error), allocatable :: failure
       logical :: halting(size(ieee_usual))
       integer :: i, sign_change
 
@@ -81,12 +72,10 @@ contains
    end subroutine test_huge_values
 
    !> Residuals of a record of 600, some of it missing, against sorted windows of the mirrored and bridged record.
-   subroutine test_residuals(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_residuals()
       integer, parameter :: n = 600
       real(dp) :: x(n), y(-4:n + 5), residual(block_size), share, middle
       integer(int8) :: valid(n)
-      type(gyro_error), allocatable :: failure
       logical :: there(block_size)
       integer :: i, k, before, after
 
@@ -122,10 +111,8 @@ contains
    end subroutine test_residuals
 
    !> The step of rounded samples, and none of normal ones.
-   subroutine test_step(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_step()
       real(dp) :: x(5000), step(3)
-      type(gyro_error), allocatable :: failure
 
       x = normal_series(5000_int64, 5_int64)
       call find_coarse_step(x, step(1), failure)
@@ -142,7 +129,6 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       integer(int8) :: inlier(size(x))
       real(dp) :: used
-      type(gyro_error), allocatable :: failure
 
       call find_auto_outliers(x, auto_threshold(size(x, kind=int64)), inlier, used, motion, failure, valid)
       marks = inlier == 0_int8
@@ -152,8 +138,7 @@ contains
 
    !> White, Laplace, AR(1) of 0.95, a walk, rounded samples, a warm-up and a step of 20 standard deviations: two marks of 20,000 at
    !> most, no motion.
-   subroutine test_nothing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing()
       integer, parameter :: n = 20000
       character(12), parameter :: name(9) = [character(12) :: "white", "laplace", "ar", "walk", "lsb 0.1", "lsb 1", "lsb 2", &
          & "warm-up", "step"]
@@ -185,8 +170,7 @@ contains
          case default
          end select
          call search(x, marks, motion)
-         call check(error, count(marks) <= 2 .and. size(motion, 2) == 0, trim(name(k)))
-         if (allocated(error)) return
+         if (unmet(count(marks) <= 2 .and. size(motion, 2) == 0, trim(name(k)))) return
       end do
    end subroutine test_nothing
 
@@ -204,8 +188,7 @@ contains
    end subroutine contaminate
 
    !> 5.4 and 10 % of 4 to 50 standard deviations in white noise: 99 % of those beyond 6 are found, two others at most.
-   subroutine test_contamination(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_contamination()
       integer, parameter :: n = 50000
       real(dp), parameter :: share(2) = [0.054_dp, 0.1_dp]
       real(dp) :: x(n), added(n)
@@ -223,8 +206,7 @@ contains
    end subroutine test_contamination
 
    !> Spikes of 8 to 20 standard deviations on a walk of 0.3 a sample: all are found, no other sample is marked.
-   subroutine test_drift(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_drift()
       integer, parameter :: n = 20000
       real(dp) :: w(n), x(n), added(n)
       logical, allocatable :: marks(:)
@@ -242,8 +224,7 @@ contains
    end subroutine test_drift
 
    !> Spikes of 12 to 20 standard deviations in samples rounded to one: all are found.
-   subroutine test_coarse(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_coarse()
       integer, parameter :: n = 20000
       real(dp) :: x(n), added(n)
       logical, allocatable :: marks(:)
@@ -256,8 +237,7 @@ contains
    end subroutine test_coarse
 
    !> Three seconds of motion at 100 Hz, a turn to and fro and a shaking: none of it is marked, and its time is told.
-   subroutine test_motion(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_motion()
       integer, parameter :: n = 20000
       real(dp) :: x(n)
       logical, allocatable :: marks(:)
@@ -270,15 +250,13 @@ contains
       x(15000) = 30
       call search(x, marks, motion)
       call check(error, count(marks(4900:5400)) == 0 .and. count(marks(8990:9311)) == 0 .and. marks(15000), "marks")
-      call check(error, size(motion, 2), 2)
-      if (allocated(error)) return
+      if (unmet(size(motion, 2), 2)) return
       call check(error, abs(motion(1, 1) - 5001) < 150 .and. abs(motion(2, 1) - 5300) < 150 .and. abs(motion(1, 2) - 9001) < 520 &
          & .and. abs(motion(2, 2) - 9300) < 520, "times of the motion")
    end subroutine test_motion
 
    !> An excursion of 1.5 standard deviations for 4,000 samples: motion, without a mark; a step of as much that stays is none.
-   subroutine test_long_motion(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long_motion()
       integer, parameter :: n = 200000
       real(dp) :: x(n)
       logical, allocatable :: marks(:)
@@ -287,8 +265,7 @@ contains
       x = normal_series(int(n, int64), 71_int64)
       x(90000:93999) = x(90000:93999) + 1.5_dp
       call search(x, marks, motion)
-      call check(error, count(marks) <= 2 .and. size(motion, 2) == 1, "an excursion")
-      if (allocated(error)) return
+      if (unmet(count(marks) <= 2 .and. size(motion, 2) == 1, "an excursion")) return
       call check(error, abs(motion(1, 1) - 90000) < 1500 .and. abs(motion(2, 1) - 93999) < 1500, "its time")
       x(94000:) = x(94000:) + 1.5_dp
       call search(x, marks, motion)
@@ -296,8 +273,7 @@ contains
    end subroutine test_long_motion
 
    !> What missing samples hold does not matter, nor that 20 % are missing and a stretch of five hundred.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       integer, parameter :: n = 20000
       real(dp) :: x(n)
       integer(int8) :: valid(n)
@@ -312,10 +288,8 @@ contains
       valid(3000::700) = 1
       x = merge(x, 1.0e6_dp, valid == 1)
       call search(x, marks, motion, valid)
-      call check(error, all(marks(3000::700)) .and. count(marks) <= size(marks(3000::700)) + 1, "marks")
-      if (allocated(error)) return
-      call check(error, size(motion, 2), 0)
-      if (allocated(error)) return
+      if (unmet(all(marks(3000::700)) .and. count(marks) <= size(marks(3000::700)) + 1, "marks")) return
+      if (unmet(size(motion, 2), 0)) return
       x = merge(x, -3.0_dp, valid == 1)
       call search(x, again, motion, valid)
       call check(error, all(marks .eqv. again))

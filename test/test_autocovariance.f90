@@ -2,16 +2,15 @@
 !> Tests of the lagged sums. The reference values were computed in exact arithmetic from the doubles
 !> of the series (series_library, 1000 samples each) and rounded once.
 module test_autocovariance
-   use expectations, only : check, check_refused
+   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    use series_library, only : reference_series, reference_names
-   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
-   public :: collect_autocovariance
+   public :: suite_autocovariance
 
    !> Relative to r(0)
    real(dp), parameter :: tolerance = 1.0e-13_dp
@@ -35,63 +34,51 @@ module test_autocovariance
 
 contains
 
-   subroutine collect_autocovariance(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("direct_sum", test_direct_sum), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("threads", test_threads), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_autocovariance
+   subroutine suite_autocovariance()
+      call test("by_hand", test_by_hand)
+      call test("reference", test_reference)
+      call test("direct_sum", test_direct_sum)
+      call test("offset_scale", test_offset_scale)
+      call test("threads", test_threads)
+      call test("missing", test_missing)
+      call test("failures", test_failures)
+   end subroutine suite_autocovariance
 
    !> 1 2 3 4: mean 5/2, r = 5/4, 5/16, -3/8, -9/16.
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       real(dp), allocatable :: r(:)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
 
       call compute_autocovariance([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], 3, mean, r, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, mean, 2.5_dp, thr=tolerance)
       call check(error, maxval(abs(r - [1.25_dp, 0.3125_dp, -0.375_dp, -0.5625_dp])), 0.0_dp, thr=tolerance)
    end subroutine test_by_hand
 
    !> The eleven series.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       real(dp), allocatable :: r(:)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, size(reference_names)
          call compute_autocovariance(reference_series(trim(reference_names(i)), 1000), 20, mean, r, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, maxval(abs(r(lag_of) - covariance_of(:, i)))/r(0), 0.0_dp, reference_names(i), thr=tolerance)
       end do
    end subroutine test_reference
 
    !> Every lag against the plain double loop, lengths around the block, lags beyond a block.
-   subroutine test_direct_sum(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_direct_sum()
       integer, parameter :: length(6) = [9, 300, 4095, 4097, 5000, 12289], lags(6) = [8, 299, 7, 40, 4990, 12]
       real(dp), allocatable :: x(:), r(:)
       real(dp) :: mean, worst
-      type(gyro_error), allocatable :: problem
       integer :: i, k
 
       do i = 1, size(length)
          x = reference_series("ar1_99", length(i))
          call compute_autocovariance(x, lags(i), mean, r, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          x = x - mean
          worst = 0.0_dp
          do k = 0, lags(i), max(1, lags(i)/50)
@@ -102,26 +89,21 @@ contains
    end subroutine test_direct_sum
 
    !> An offset of 2^40 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       real(dp), allocatable :: x(:), r(:), s(:)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
 
       x = anint(1024.0_dp*reference_series("ar2", 9000))/1024.0_dp
       call compute_autocovariance(x, 33, mean, r, problem)
       call compute_autocovariance((x + 2.0_dp**40)*2.0_dp**(-50), 33, mean, s, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(s*2.0_dp**100 - r))/r(0), 0.0_dp, thr=tolerance)
    end subroutine test_offset_scale
 
    !> One and two threads give the same bits.
-   subroutine test_threads(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_threads()
       real(dp), allocatable :: x(:), r(:), s(:)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
       integer :: before
 
       x = reference_series("ar1", 70000)
@@ -131,20 +113,17 @@ contains
       call set_thread_count(2)
       call compute_autocovariance(x, 20, mean, s, problem)
       call set_thread_count(before)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(r - s)), 0.0_dp, thr=tiny(mean))
    end subroutine test_threads
 
    !> Missing samples: the definition by the double loop; their values do not matter; an all-present
    !> mask changes nothing.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       real(dp), allocatable :: x(:), r(:), s(:)
       integer(int8), allocatable :: valid(:)
       integer(int64), allocatable :: pairs(:)
       real(dp) :: mean, worst
-      type(gyro_error), allocatable :: problem
       integer :: k
 
       x = reference_series("ar1", 9001)
@@ -161,8 +140,7 @@ contains
       worst = 0.0_dp
       do k = 0, 11
          worst = max(worst, abs(r(k) - direct(x, valid, k)))
-         call check(error, int(pairs(k)), count(valid(1 + k:) == 1_int8 .and. valid(:size(x) - k) == 1_int8))
-         if (allocated(error)) return
+         if (unmet(int(pairs(k)), count(valid(1 + k:) == 1_int8 .and. valid(:size(x) - k) == 1_int8))) return
       end do
       call check(error, worst/r(0), 0.0_dp, thr=tolerance)
    end subroutine test_missing
@@ -183,23 +161,21 @@ contains
    end function direct
 
    !> Each error.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp), allocatable :: r(:)
       integer(int8) :: valid(4)
       real(dp) :: x(4), mean
-      type(gyro_error), allocatable :: problem
 
       x = [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp]
       valid = 0_int8
       call compute_autocovariance(x, -1, mean, r, problem)
-      call check_refused(error, problem, status%invalid_argument)
+      call check_refused(problem, status%invalid_argument)
       call compute_autocovariance(x, 4, mean, r, problem)
-      call check_refused(error, problem, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
       call compute_autocovariance(x, 1, mean, r, problem, valid(:3))
-      call check_refused(error, problem, status%invalid_argument)
+      call check_refused(problem, status%invalid_argument)
       call compute_autocovariance(x, 1, mean, r, problem, valid)
-      call check_refused(error, problem, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
    end subroutine test_failures
 
 end module test_autocovariance

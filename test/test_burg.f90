@@ -1,51 +1,44 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by Burg's recursion.
 module test_burg
-   use expectations, only : check, check_refused
+   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_autocovariance, only : series_mean
    use gyroakf_stats_trend, only : trend_type, set_level
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : burg_phi, burg_residual, burg_variance
    use series_library, only : reference_series, reference_names
-   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
-   public :: collect_burg
+   public :: suite_burg
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
 
 contains
 
-   subroutine collect_burg(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("long_reference", test_long_reference), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("time_reversal", test_time_reversal), &
-         & new_unittest("gaps_dense", test_gaps_dense), &
-         & new_unittest("threads", test_threads), &
-         & new_unittest("standard_errors", test_standard_errors), &
-         & new_unittest("near_unit_root", test_near_unit_root), &
-         & new_unittest("order_zero", test_order_zero), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_burg
+   subroutine suite_burg()
+      call test("by_hand", test_by_hand)
+      call test("reference", test_reference)
+      call test("long_reference", test_long_reference)
+      call test("offset_scale", test_offset_scale)
+      call test("time_reversal", test_time_reversal)
+      call test("gaps_dense", test_gaps_dense)
+      call test("threads", test_threads)
+      call test("standard_errors", test_standard_errors)
+      call test("near_unit_root", test_near_unit_root)
+      call test("order_zero", test_order_zero)
+      call test("failures", test_failures)
+   end subroutine suite_burg
 
    !> x = -1 1 -3 3 0 about the mean 2: k_1 = 2 (-1 - 3 - 9 + 0)/(2 (1 + 9 + 9) + 1 + 0) = -26/39; r_0 = 4.
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar([1.0_dp, 3.0_dp, -1.0_dp, 5.0_dp, 2.0_dp], ar_options(method="burg", max_order=1, order=1), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, model%coefficient(1), -26.0_dp/39.0_dp, thr=tolerance)
       call check(error, model%noise_variance, 4.0_dp*(1.0_dp - 4.0_dp/9.0_dp), thr=tolerance)
       call check(error, model%residual_variance, 39.0_dp*(1.0_dp - 4.0_dp/9.0_dp)/8.0_dp, thr=tolerance)
@@ -53,37 +46,30 @@ contains
    end subroutine test_by_hand
 
    !> Coefficients and both variances of the orders 1 .. 6 of the eleven series.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       integer :: i, p
 
       do i = 1, size(reference_names)
          do p = 1, 6
             call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="burg", order=p, max_order=6), &
                & model, problem)
-            call check(error, .not. allocated(problem), reference_names(i))
-            if (allocated(error)) return
+            if (went_wrong(problem, reference_names(i))) return
             call check(error, maxval(abs(model%coefficient - burg_phi(p*(p - 1)/2 + 1:p*(p + 1)/2, i))), 0.0_dp, &
                & reference_names(i), thr=tolerance)
             call check(error, model%noise_variance, burg_variance(p, i), reference_names(i), thr=tolerance, rel=.true.)
             call check(error, model%residual_variance, burg_residual(p, i), reference_names(i), thr=tolerance, rel=.true.)
-            call check(error, model%stationary .and. size(model%root) == p, "Burg's models are stationary")
-            if (allocated(error)) return
+            if (unmet(model%stationary .and. size(model%root) == p, "Burg's models are stationary")) return
          end do
       end do
    end subroutine test_reference
 
    !> 12,000 samples of AR(2).
-   subroutine test_long_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long_reference()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(reference_series("ar2", 12000), ar_options(method="burg", order=3), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(model%coefficient - [1.1733820965680746_dp, -0.4524316608865892_dp, &
          & -0.02507647054699809_dp])), 0.0_dp, thr=tolerance)
       call check(error, maxval(abs(model%table(2:)%noise_variance/[1.3015167566647547_dp, 0.9989434799248016_dp, &
@@ -92,19 +78,16 @@ contains
    end subroutine test_long_reference
 
    !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024, short and long.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, 2
          x = anint(1024.0_dp*reference_series("ar2", merge(3000, 40000, i == 1)))/1024.0_dp
          call fit_ar(x, ar_options(method="burg", max_order=5), a, problem)
          call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method="burg", max_order=5), b, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, a%order, b%order)
          call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
          call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
@@ -113,32 +96,27 @@ contains
    end subroutine test_offset_scale
 
    !> Forward and backward residuals change places.
-   subroutine test_time_reversal(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_time_reversal()
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, 2
          x = reference_series("trend", merge(500, 30000, i == 1))
          call fit_ar(x, ar_options(method="burg", order=5), a, problem)
          call fit_ar(x(size(x):1:-1), ar_options(method="burg", order=5), b, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
       end do
    end subroutine test_time_reversal
 
    !> Stretches of many lengths against the recursion written out with arrays for each stretch.
-   subroutine test_gaps_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps_dense()
       real(dp) :: x(600), f(600), b(600), k(4), shift, rest, n, d, f0, variance
       integer(int8) :: valid(600)
       type(burg_type) :: burg
       type(trend_type) :: level
       integer(int64) :: count
-      type(gyro_error), allocatable :: problem
       integer :: m, t
 
       x = reference_series("ar2", 600) + 5.0_dp
@@ -147,8 +125,7 @@ contains
       call series_mean(x, shift, rest, count, problem, valid)
       call set_level(level, shift, rest)
       call compute_burg(x, level, 4, burg, problem, valid)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       f = merge((x - shift) - rest, 0.0_dp, valid == 1_int8)
       b = f
       variance = sum(f**2)/real(count, dp)
@@ -174,12 +151,10 @@ contains
    end subroutine test_gaps_dense
 
    !> One thread and two, with gaps too.
-   subroutine test_threads(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_threads()
       type(ar_model_type) :: model(2, 3)
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
-      type(gyro_error), allocatable :: problem
       integer :: i, before
 
       x = reference_series("ar2", 120000)
@@ -202,26 +177,20 @@ contains
    end subroutine test_threads
 
    !> AR(1): sqrt((1 - phi^2)/n), for the autocovariances are the model's own.
-   subroutine test_standard_errors(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_standard_errors()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(reference_series("ar1", 1000), ar_options(method="burg", order=1), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
    end subroutine test_standard_errors
 
    !> A random walk of 30,000 steps: the model stays stationary, whatever the largest order.
-   subroutine test_near_unit_root(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_near_unit_root()
       type(ar_model_type) :: model, short
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(reference_series("rw", 30000), ar_options(method="burg", order=6, max_order=6), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, model%stationary .and. model%root(1)%modulus > 0.999_dp, "the root near one")
       call check(error, model%residual_variance, 1.0_dp, "the steps have variance 1", thr=0.03_dp)
       call fit_ar(reference_series("rw", 30000), ar_options(method="burg", order=1, max_order=1), short, problem)
@@ -229,42 +198,36 @@ contains
    end subroutine test_near_unit_root
 
    !> Order 0: the variance.
-   subroutine test_order_zero(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_order_zero()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method="burg", order=0, max_order=0), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, size(model%coefficient) + size(model%root), 0)
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
+      if (unmet(size(model%coefficient) + size(model%root), 0)) return
       call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
       call check(error, model%residual_variance, 1.25_dp, thr=tolerance)
    end subroutine test_order_zero
 
    !> A constant; samples that alternate; gaps that leave no row.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(30)
       integer(int8) :: valid(30)
       integer :: t
 
       x = 0.1_dp
-      call refused(error, x, status%constant_input)
+      call refused(x, status%constant_input)
       x = [(real(modulo(t, 2), dp), t=1, 30)]
-      call refused(error, x, status%singular)
+      call refused(x, status%singular)
       x = reference_series("wn", 30)
       valid = [(int(modulo(t, 2), int8), t=1, 30)]
-      call refused(error, x, status%too_few_samples, valid)
+      call refused(x, status%too_few_samples, valid)
       valid = 0_int8
       valid(1:5) = 1_int8
-      call refused(error, x, status%too_few_samples, valid)
+      call refused(x, status%too_few_samples, valid)
    end subroutine test_failures
 
    !> Fails unless the fit is refused with the code.
-   subroutine refused(error, x, code, valid)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine refused(x, code, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Expected
@@ -272,10 +235,9 @@ contains
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(x, ar_options(method="burg"), model, problem, valid)
-      call check_refused(error, problem, code)
+      call check_refused(problem, code)
    end subroutine refused
 
 end module test_burg

@@ -2,8 +2,7 @@
 !> The sample interval from stamps of which some are lost: every k-th, at random, in runs, with
 !> jitter; rates that explain the stamps equally well; clocks that start again.
 module test_cadence
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : test, error, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_audit, only : audit_stamps, gap_type
@@ -11,7 +10,7 @@ module test_cadence
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: collect_cadence
+   public :: suite_cadence
 
    !> s
    real(dp), parameter :: interval = 0.001_dp
@@ -24,17 +23,14 @@ module test_cadence
 contains
 
    !> Names the tests.
-   subroutine collect_cadence(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("every-kth-lost", test_every_kth), &
-         new_unittest("random-losses", test_random), &
-         new_unittest("losses-in-runs", test_runs), &
-         new_unittest("two-rates", test_two_rates), &
-         new_unittest("late-stamps", test_late), &
-         new_unittest("rollovers", test_rollovers)]
-   end subroutine collect_cadence
+   subroutine suite_cadence()
+      call test("every-kth-lost", test_every_kth)
+      call test("random-losses", test_random)
+      call test("losses-in-runs", test_runs)
+      call test("two-rates", test_two_rates)
+      call test("late-stamps", test_late)
+      call test("rollovers", test_rollovers)
+   end subroutine suite_cadence
 
    !> A number in 0 to 1, the same in every run.
    pure real(dp) function uniform(i)
@@ -44,8 +40,7 @@ contains
    end function uniform
 
    !> The rate and the number of lost samples have to be right.
-   subroutine expect(error, place, jitter, what)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect(place, jitter, what)
       !> On the grid, rising: [n]
       integer, intent(in) :: place(:)
       !> In intervals
@@ -68,8 +63,7 @@ contains
    end subroutine expect
 
    !> Every k-th sample lost, whichever is the first, at any length and jitter.
-   subroutine test_every_kth(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_every_kth()
       integer, parameter :: lengths(*) = [300, 1000, 4001, 17990, 18001, 40000]
       integer, allocatable :: place(:)
       integer :: k, l, j, i
@@ -78,7 +72,7 @@ contains
          do l = 1, size(lengths)
             place = [(i - 1 + (i - 1 + modulo(l, k - 1))/(k - 1), i=1, lengths(l))]
             do j = 1, size(jitters)
-               call expect(error, place, jitters(j), "every "//format_real(real(k, dp), 2)//"th of "// &
+               call expect(place, jitters(j), "every "//format_real(real(k, dp), 2)//"th of "// &
                            format_real(real(lengths(l), dp), 5))
             end do
          end do
@@ -86,32 +80,29 @@ contains
    end subroutine test_every_kth
 
    !> One sample in ten lost at random, and one in three.
-   subroutine test_random(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_random()
       integer :: i, j
 
       do j = 1, size(jitters)
-         call expect(error, pack([(i, i=1, 20000)], [(uniform(7*i + j) > 0.1_dp, i=1, 20000)]), jitters(j), "10 %")
-         call expect(error, pack([(i, i=1, 20000)], [(uniform(7*i + j) > 0.33_dp, i=1, 20000)]), jitters(j), "33 %")
+         call expect(pack([(i, i=1, 20000)], [(uniform(7*i + j) > 0.1_dp, i=1, 20000)]), jitters(j), "10 %")
+         call expect(pack([(i, i=1, 20000)], [(uniform(7*i + j) > 0.33_dp, i=1, 20000)]), jitters(j), "33 %")
       end do
    end subroutine test_random
 
    !> Twenty samples lost now and then, alone and beside every tenth.
-   subroutine test_runs(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_runs()
       integer :: i, j
 
       do j = 1, size(jitters)
-         call expect(error, pack([(i, i=1, 20000)], [(modulo(i, 1700) > 19, i=1, 20000)]), jitters(j), "runs")
-         call expect(error, pack([(i, i=1, 20000)], [(modulo(i, 1700) > 19 .and. modulo(i, 10) > 0, i=1, 20000)]), jitters(j), &
+         call expect(pack([(i, i=1, 20000)], [(modulo(i, 1700) > 19, i=1, 20000)]), jitters(j), "runs")
+         call expect(pack([(i, i=1, 20000)], [(modulo(i, 1700) > 19 .and. modulo(i, 10) > 0, i=1, 20000)]), jitters(j), &
                      "runs and every tenth")
       end do
    end subroutine test_runs
 
    !> Every eighth sample lost and 875 Hz in ms are the same stamps: both are known, and a rate that
    !> is given decides. Those of 833.1 Hz in ms are not at exactly even distances, and no losses.
-   subroutine test_two_rates(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_two_rates()
       type(audit_type) :: audit, decided, same
       type(gap_type) :: gaps
       real(dp) :: t(7000)
@@ -148,8 +139,7 @@ contains
    end subroutine test_two_rates
 
    !> Lost samples among stamps that are up to an interval late are found where they were lost.
-   subroutine test_late(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_late()
       integer, parameter :: lost = 20
       type(audit_type) :: audit
       type(gap_type) :: gaps
@@ -164,8 +154,7 @@ contains
    end subroutine test_late
 
    !> A GPS week, 32 bits of us, 16 bits of ms again and again.
-   subroutine test_rollovers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_rollovers()
       real(dp), parameter :: period(*) = [604800.0_dp, 4294.967296_dp, 65.536_dp], start(*) = [604795.0_dp, 4290.0_dp, 60.0_dp]
       integer, parameter :: times(*) = [1, 1, 2]
       type(audit_type) :: audit

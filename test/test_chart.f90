@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The Allan deviation in characters: where its points are, what the axes say, and records that hardly have a curve.
 module test_chart
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, test, error, check
    use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
    use gyroakf_report_chart, only : chart_columns, chart_rows, draw_chart
@@ -10,7 +9,7 @@ module test_chart
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    implicit none (type, external)
    private
-   public :: collect_chart
+   public :: suite_chart
 
    !> Characters before the area
    integer, parameter :: margin = 12
@@ -18,22 +17,19 @@ module test_chart
 contains
 
    !> Names the tests.
-   subroutine collect_chart(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("places", test_places), &
-         new_unittest("model", test_model), &
-         new_unittest("limits", test_limits), &
-         new_unittest("slopes", test_slopes), &
-         new_unittest("axes", test_axes), &
-         new_unittest("one-point", test_one), &
-         new_unittest("equal", test_equal), &
-         new_unittest("not-drawn", test_not_drawn), &
-         new_unittest("nothing", test_nothing), &
-         new_unittest("unicode", test_unicode), &
-         new_unittest("extremes", test_extremes)]
-   end subroutine collect_chart
+   subroutine suite_chart()
+      call test("places", test_places)
+      call test("model", test_model)
+      call test("limits", test_limits)
+      call test("slopes", test_slopes)
+      call test("axes", test_axes)
+      call test("one-point", test_one)
+      call test("equal", test_equal)
+      call test("not-drawn", test_not_drawn)
+      call test("nothing", test_nothing)
+      call test("unicode", test_unicode)
+      call test("extremes", test_extremes)
+   end subroutine suite_chart
 
    !> The character at a place of the area, from 1; blank behind the end of a line.
    character(1) function at(lines, column, row)
@@ -60,15 +56,13 @@ contains
 
    !> Four decades of time and two of the deviation, slope -1/2: the points are on a straight line. The height is 2.1 decades with
    !> its margins; 0.05 of them, 1.5 of 63 dots, above the first point: dot 2, the first row.
-   subroutine test_places(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_places()
       real(dp), parameter :: tau(5) = [1.0_dp, 10.0_dp, 100.0_dp, 1000.0_dp, 10000.0_dp]
       type(text_type), allocatable :: lines(:)
       integer :: i, row
 
       call draw_chart(tau, tau**(-0.5_dp), 0.99_dp*tau**(-0.5_dp), 1.01_dp*tau**(-0.5_dp), .false., lines)
-      call check(error, size(lines), chart_rows + 2)
-      if (allocated(error)) return
+      if (unmet(size(lines), chart_rows + 2)) return
       call check(error, how_often(lines, "o"), 5)
       do i = 0, 4
          if (allocated(error)) return
@@ -78,8 +72,7 @@ contains
    end subroutine test_places
 
    !> A model through the points is drawn in every column between them, never above or below its neighbors' rows.
-   subroutine test_model(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_model()
       real(dp), parameter :: tau(3) = [1.0_dp, 10.0_dp, 1000.0_dp]
       type(text_type), allocatable :: lines(:)
       integer :: column, row, expected
@@ -98,8 +91,7 @@ contains
    end subroutine test_model
 
    !> The limits are a bar through their point, cut at the borders.
-   subroutine test_limits(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_limits()
       type(text_type), allocatable :: lines(:)
       integer :: row
 
@@ -111,8 +103,7 @@ contains
    end subroutine test_limits
 
    !> The three slopes stand in a corner that is free: +1/2 above 0 above -1/2. Where none is free they are left out.
-   subroutine test_slopes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_slopes()
       real(dp), parameter :: tau(5) = [1.0_dp, 10.0_dp, 100.0_dp, 1000.0_dp, 10000.0_dp]
       real(dp) :: crowded(0:199), level(0:199)
       type(text_type), allocatable :: lines(:)
@@ -138,8 +129,7 @@ contains
    end subroutine test_slopes
 
    !> Ticks at the decades, with 2 and 5 between them where an axis has no two decades.
-   subroutine test_axes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_axes()
       real(dp), parameter :: tau(3) = [1.0_dp, 10.0_dp, 100.0_dp]
       type(text_type), allocatable :: lines(:)
       integer :: i
@@ -154,8 +144,7 @@ contains
       call check(error, i <= chart_rows, "no tick at 0.02")
    end subroutine test_axes
 
-   subroutine test_one(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_one()
       type(text_type), allocatable :: lines(:)
 
       call draw_chart([0.2_dp], [0.01_dp], [0.009_dp], [0.011_dp], .false., lines, model=[0.01_dp])
@@ -163,8 +152,7 @@ contains
    end subroutine test_one
 
    !> Equal deviations are a level line in the middle.
-   subroutine test_equal(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_equal()
       type(text_type), allocatable :: lines(:)
       real(dp), parameter :: tau(3) = [1.0_dp, 2.0_dp, 4.0_dp], one(3) = 1.0_dp
 
@@ -173,8 +161,7 @@ contains
    end subroutine test_equal
 
    !> Zero, negative, missing: the others are drawn as if alone.
-   subroutine test_not_drawn(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_not_drawn()
       type(text_type), allocatable :: lines(:), alone(:)
       real(dp) :: nan
       integer :: i
@@ -191,21 +178,18 @@ contains
       end do
    end subroutine test_not_drawn
 
-   subroutine test_nothing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing()
       type(text_type), allocatable :: lines(:)
       real(dp) :: none(0)
 
       call draw_chart(none, none, none, none, .false., lines)
-      call check(error, size(lines), 0)
-      if (allocated(error)) return
+      if (unmet(size(lines), 0)) return
       call draw_chart([1.0_dp], [0.0_dp], [0.0_dp], [0.0_dp], .true., lines)
       call check(error, size(lines), 0)
    end subroutine test_nothing
 
    !> The same picture in both: as wide, dots where ASCII has a dot. ASCII has no byte beyond 127.
-   subroutine test_unicode(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_unicode()
       real(dp), parameter :: tau(4) = [1.0_dp, 4.0_dp, 16.0_dp, 64.0_dp]
       type(text_type), allocatable :: lines(:), plain(:)
       integer :: i, j
@@ -222,8 +206,7 @@ contains
    end subroutine test_unicode
 
    !> The smallest and the largest numbers that are shown.
-   subroutine test_extremes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_extremes()
       type(text_type), allocatable :: lines(:)
       real(dp), parameter :: small = 1.0e-289_dp, large = 1.0e289_dp
       integer :: i

@@ -1,16 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the cleaning: outliers and trend jointly.
 module test_clean
-   use expectations, only : check, check_refused
+   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_stats_trend, only : evaluate_trend
    use series_library, only : reference_series
-   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
-   public :: collect_clean
+   public :: suite_clean
 
    !> Where the drifting record has its outliers, and their size in standard deviations
    integer, parameter :: place(12) = [1, 77, 1500, 1501, 1502, 3333, 5000, 6001, 7777, 9000, 11998, 12000]
@@ -19,29 +18,25 @@ module test_clean
 
 contains
 
-   subroutine collect_clean(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("pauta_reference", test_pauta_reference), &
-         & new_unittest("drifting_record", test_drifting_record), &
-         & new_unittest("masking", test_masking), &
-         & new_unittest("false_alarms", test_false_alarms), &
-         & new_unittest("mark_comes_back", test_mark_comes_back), &
-         & new_unittest("disturbed_stretch", test_disturbed_stretch), &
-         & new_unittest("to_and_fro", test_to_and_fro), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("quantised", test_quantised), &
-         & new_unittest("constant", test_constant), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("nothing_removed", test_nothing_removed), &
-         & new_unittest("short", test_short), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_clean
+   subroutine suite_clean()
+      call test("pauta_reference", test_pauta_reference)
+      call test("drifting_record", test_drifting_record)
+      call test("masking", test_masking)
+      call test("false_alarms", test_false_alarms)
+      call test("mark_comes_back", test_mark_comes_back)
+      call test("disturbed_stretch", test_disturbed_stretch)
+      call test("to_and_fro", test_to_and_fro)
+      call test("offset_scale", test_offset_scale)
+      call test("quantised", test_quantised)
+      call test("constant", test_constant)
+      call test("missing", test_missing)
+      call test("nothing_removed", test_nothing_removed)
+      call test("short", test_short)
+      call test("failures", test_failures)
+   end subroutine suite_clean
 
    !> Fails where the cleaning did, or where it marked other samples than these.
-   subroutine marks_are(error, result, problem, expected)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine marks_are(result, problem, expected)
       !> The result
       type(clean_type), intent(in) :: result
       !> What the library said
@@ -49,27 +44,23 @@ contains
       !> 1-based indices
       integer, intent(in) :: expected(:)
 
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, int(result%removed), size(expected), "number of outliers")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
+      if (unmet(int(result%removed), size(expected), "number of outliers")) return
       call check(error, all(result%outlier == int(expected, int64)), "other samples")
       call check(error, result%converged, "not converged")
    end subroutine marks_are
 
    !> White noise with four outliers, 3 sigma, degree 0. In exact arithmetic the first round removes
    !> 101 102 501 778, the second 156 462 621 756, the third none; standard deviation then 0.9553685748064595.
-   subroutine test_pauta_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_pauta_reference()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn", 1000)
       x([101, 102, 501, 778]) = x([101, 102, 501, 778]) + [8.0_dp, -7.5_dp, 25.0_dp, 5.0_dp]
       call clean_series(x, clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
-      call marks_are(error, result, problem, [101, 102, 156, 462, 501, 621, 756, 778])
+      call marks_are(result, problem, [101, 102, 156, 462, 501, 621, 756, 778])
       call check(error, result%passes, 3)
       call check(error, result%trend%power(0), -0.03429698277755966_dp, thr=1.0e-14_dp)
       call check(error, sqrt(result%variance), 0.9553685748064595_dp, thr=1.0e-14_dp)
@@ -92,89 +83,76 @@ contains
    end function drifting_record
 
    !> 12 of 12 and nothing else, by both robust methods.
-   subroutine test_drifting_record(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_drifting_record()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = drifting_record()
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
-      call marks_are(error, result, problem, place)
+      call marks_are(result, problem, place)
       call check(error, result%variance, 1.0_dp, thr=0.1_dp)
       call check(error, maxval(abs(cleaned(place))), 0.0_dp, thr=tiny(x))
       call check(error, cleaned(100), x(100) - evaluate_trend(result%trend, 99_int64), thr=1.0e-12_dp)
       call clean_series(x, clean_options(method="mad"), cleaned, mask, result, problem)
-      call marks_are(error, result, problem, place)
+      call marks_are(result, problem, place)
    end subroutine test_drifting_record
 
    !> A spike of 1e9 hides others from a standard deviation; it does not from a median.
-   subroutine test_masking(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_masking()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn", 3000)
       x(2990) = 1.0e9_dp
       x(50) = x(50) + 9.0_dp
       x(51) = x(51) - 9.0_dp
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
-      call marks_are(error, result, problem, [50, 51, 2990])
+      call marks_are(result, problem, [50, 51, 2990])
       call clean_series(x, clean_options(degree=-1, method="mad"), cleaned, mask, result, problem)
-      call marks_are(error, result, problem, [50, 51, 2990])
+      call marks_are(result, problem, [50, 51, 2990])
    end subroutine test_masking
 
    !> Of 1e5 clean normal samples `auto` marks about half a one, 3 sigma about 300.
-   subroutine test_false_alarms(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_false_alarms()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn_bm", 100000)
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, result%removed <= 3 .and. result%converged, "auto marks clean samples")
       call clean_series(x, clean_options(method="pauta"), cleaned, mask, result, problem)
       call check(error, abs(result%fraction - 0.0031_dp) < 0.0008_dp, "share that 3 sigma takes")
    end subroutine test_false_alarms
 
    !> The spike tilts the first trend, and good samples at the ends are marked; they come back.
-   subroutine test_mark_comes_back(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_mark_comes_back()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("unif", 400)
       x(400) = 1.0e6_dp
       call clean_series(x, clean_options(degree=9, method="mad", max_passes=1), cleaned, mask, result, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, result%removed > 1 .and. .not. result%converged, "the first round was right already")
       call clean_series(x, clean_options(degree=9, method="mad"), cleaned, mask, result, problem)
-      call marks_are(error, result, problem, [400])
+      call marks_are(result, problem, [400])
    end subroutine test_mark_comes_back
 
    !> A third of the record is ten times as noisy: that is no outlier. A tenth replaced by zeros is.
-   subroutine test_disturbed_stretch(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_disturbed_stretch()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn_bm", 9000)
       x(:3600) = 50.0_dp*x(:3600)
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, result%fraction < 0.01_dp .and. result%converged, "the disturbed stretch was removed")
       x = 50.0_dp + reference_series("wn_bm", 9000)
       x(7::10) = 0.0_dp
@@ -183,22 +161,19 @@ contains
    end subroutine test_disturbed_stretch
 
    !> Integers with a heavy tail, on which the marks by median and MAD go to and fro, and those of Hampel's filter: the rounds end.
-   subroutine test_to_and_fro(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_to_and_fro()
       character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
       integer, parameter :: half_width(3) = [5, 25, 100000]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       integer :: i, j
 
       x = reference_series("wn_bm", 20000)
       do j = 1, 4
          do i = 1, 3
             call clean_series(anint(x**3*real(j, dp)), clean_options(method=method(i)), cleaned, mask, result, problem)
-            call check(error, .not. allocated(problem), "it failed")
-            if (allocated(error)) return
+            if (went_wrong(problem)) return
             call check(error, result%converged, "not converged: "//method(i))
          end do
       end do
@@ -206,53 +181,46 @@ contains
          j = half_width(1 + mod(i, 3))
          call clean_series(0.125_dp*anint(4.0_dp*x(300*i - 299:300*i)), clean_options(method="hampel", half_width=j, &
             & threshold=2.0_dp, max_passes=400), cleaned, mask, result, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, result%converged, "not converged: hampel")
       end do
    end subroutine test_to_and_fro
 
    !> Offset 2^30 and scale 2^-40, exact for multiples of 1/4096, change no mark.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       real(dp), allocatable :: x(:), a(:), b(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = anint(4096.0_dp*drifting_record())/4096.0_dp
       call clean_series(x, clean_options(), a, mask, result, problem)
       call clean_series((x + 2.0_dp**30)*2.0_dp**(-40), clean_options(), b, mask, result, problem)
-      call marks_are(error, result, problem, place)
+      call marks_are(result, problem, place)
       call check(error, maxval(abs(b*2.0_dp**40 - a)), 0.0_dp, thr=1.0e-10_dp)
    end subroutine test_offset_scale
 
    !> Nine of ten samples on one level: MAD 0. The neighboring levels stay, the spike goes.
-   subroutine test_quantised(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_quantised()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, 2
          x = 0.01_dp*anint(0.304_dp*reference_series("wn_bm", 2000))
          x(1000) = 0.5_dp
          call clean_series(x, clean_options(degree=0, method=merge("mad ", "auto", i == 1)), cleaned, mask, result, problem)
-         call marks_are(error, result, problem, [1000])
+         call marks_are(result, problem, [1000])
       end do
    end subroutine test_quantised
 
    !> A constant series, at any offset and degree, has no outlier; nor has a straight line.
-   subroutine test_constant(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_constant()
       character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
       real(dp) :: x(500)
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       integer :: i, j
 
       do i = 1, 3
@@ -260,28 +228,24 @@ contains
             x = 123456.1_dp
             if (j == 2) x = [(1234.1_dp + 0.1_dp*real(j, dp), j = 1, 500)]
             call clean_series(x, clean_options(method=method(i)), cleaned, mask, result, problem)
-            call check(error, .not. allocated(problem), "it failed")
-            if (allocated(error)) return
-            call check(error, result%removed == 0 .and. .not. allocated(mask), trim(method(i))//" marks rounding errors")
-            if (allocated(error)) return
+            if (went_wrong(problem)) return
+            if (unmet(result%removed == 0 .and. .not. allocated(mask), trim(method(i))//" marks rounding errors")) return
          end do
       end do
    end subroutine test_constant
 
    !> Samples that were missing before stay missing and are no outliers; what they hold does not matter.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: valid(:), mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = drifting_record()
       valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 12000), 5000) < 0.05_dp)
       valid(place) = 1_int8
       where (valid == 0_int8) x = 1.0e5_dp
       call clean_series(x, clean_options(), cleaned, mask, result, problem, valid)
-      call marks_are(error, result, problem, place)
+      call marks_are(result, problem, place)
       call check(error, all(mask == 0_int8 .eqv. (valid == 0_int8 .or. mask /= valid)), "the mask")
       call check(error, count(mask == 0_int8), count(valid == 0_int8) + 12)
       call check(error, maxval(abs(cleaned), mask=mask == 0_int8), 0.0_dp, thr=tiny(x))
@@ -291,62 +255,53 @@ contains
    end subroutine test_missing
 
    !> Method none and degree -1: the series itself, no mask.
-   subroutine test_nothing_removed(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing_removed()
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("offset", 1000)
       call clean_series(x, clean_options(degree=-1, method="none"), cleaned, mask, result, problem)
-      call check(error, .not. (allocated(problem) .or. allocated(mask)), "it failed")
-      if (allocated(error)) return
+      if (unmet(.not. (allocated(problem) .or. allocated(mask)), "it failed")) return
       call check(error, maxval(abs(cleaned - x)), 0.0_dp, thr=tiny(x))
-      call check(error, result%passes == 0 .and. size(result%outlier) == 0 .and. result%removed == 0, "something was removed")
-      if (allocated(error)) return
+      if (unmet(result%passes == 0 .and. size(result%outlier) == 0 .and. result%removed == 0, "something was removed")) return
       call check(error, result%mean, 9999.999911678937_dp, thr=1.0e-15_dp, rel=.true.)
    end subroutine test_nothing_removed
 
    !> Ten samples: 3 standard deviations are out of reach ((n-1)/sqrt(n) = 2.85), eleven suffice.
-   subroutine test_short(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_short()
       real(dp) :: x(11)
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = 0.0_dp
       x(5) = 1.0_dp
       call clean_series(x(:10), clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
-      call check(error, .not. allocated(problem) .and. result%removed == 0, "10 samples")
-      if (allocated(error)) return
+      if (unmet(.not. allocated(problem) .and. result%removed == 0, "10 samples")) return
       call clean_series(x, clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
-      call marks_are(error, result, problem, [5])
+      call marks_are(result, problem, [5])
    end subroutine test_short
 
    !> Each error.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(4)
       integer(int8) :: valid(4)
 
       x = [1.0_dp, 2.0_dp, 1.0_dp, 3.0_dp]
       valid = 0_int8
-      call refused(error, x, clean_options(method="hampel", half_width=0), status%invalid_argument)
-      call refused(error, x, clean_options(method="best"), status%invalid_argument)
-      call refused(error, x, clean_options(threshold=-1.0_dp), status%invalid_argument)
-      call refused(error, x, clean_options(max_passes=0), status%invalid_argument)
-      call refused(error, x, clean_options(degree=10), status%invalid_argument)
-      call refused(error, x, clean_options(degree=4), status%too_few_samples)
-      call refused(error, x, clean_options(), status%too_few_samples, valid)
-      call refused(error, x, clean_options(), status%invalid_argument, valid(:2))
+      call refused(x, clean_options(method="hampel", half_width=0), status%invalid_argument)
+      call refused(x, clean_options(method="best"), status%invalid_argument)
+      call refused(x, clean_options(threshold=-1.0_dp), status%invalid_argument)
+      call refused(x, clean_options(max_passes=0), status%invalid_argument)
+      call refused(x, clean_options(degree=10), status%invalid_argument)
+      call refused(x, clean_options(degree=4), status%too_few_samples)
+      call refused(x, clean_options(), status%too_few_samples, valid)
+      call refused(x, clean_options(), status%invalid_argument, valid(:2))
    end subroutine test_failures
 
    !> Fails unless the cleaning is refused with the code.
-   subroutine refused(error, x, options, code, valid)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine refused(x, options, code, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Options
@@ -358,10 +313,9 @@ contains
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       call clean_series(x, options, cleaned, mask, result, problem, valid)
-      call check_refused(error, problem, code)
+      call check_refused(problem, code)
    end subroutine refused
 
 end module test_clean

@@ -1,10 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Coefficients as they are stated: in the usual unit, in SI, N as both densities, each with its convention.
 module test_conventions
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : failed => problem, test, error, check
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_units, only : unit_type, parse_unit, coefficient_definition
    use gyroakf_allan_noise_fit, only : noise_type
    use gyroakf_io_writer, only : writer_type
@@ -16,7 +14,7 @@ module test_conventions
    use report_fixture, only : make_record, make_result, begin_text, end_text
    implicit none (type, external)
    private
-   public :: collect_conventions
+   public :: suite_conventions
 
    !> A few roundings
    real(dp), parameter :: thr = 8*epsilon(1.0_dp)
@@ -24,18 +22,15 @@ module test_conventions
 contains
 
    !> Names the tests.
-   subroutine collect_conventions(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("rate", test_rate), &
-         new_unittest("acceleration", test_acceleration), &
-         new_unittest("densities", test_densities), &
-         new_unittest("nothing-known", test_nothing_known), &
-         new_unittest("definitions-hold", test_definitions), &
-         new_unittest("text", test_text), &
-         new_unittest("text-nothing-known", test_text_nothing_known)]
-   end subroutine collect_conventions
+   subroutine suite_conventions()
+      call test("rate", test_rate)
+      call test("acceleration", test_acceleration)
+      call test("densities", test_densities)
+      call test("nothing-known", test_nothing_known)
+      call test("definitions-hold", test_definitions)
+      call test("text", test_text)
+      call test("text-nothing-known", test_text_nothing_known)
+   end subroutine suite_conventions
 
    !> Five coefficients of 1 in the unit of the record and seconds, errors 0.5, limits 2.
    subroutine state_ones(unit_name, stated, rate_known)
@@ -44,7 +39,6 @@ contains
       logical, intent(in) :: rate_known
       type(noise_type) :: noise
       type(unit_type) :: unit
-      type(gyro_error), allocatable :: failed
 
       noise%coefficient%value = 1
       noise%coefficient%std_error = 0.5_dp
@@ -56,8 +50,7 @@ contains
    end subroutine state_ones
 
    !> All ones of a record in one unit: stated values, SI values, SI units.
-   subroutine check_ones(error, unit_name, expected, si, si_name)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_ones(unit_name, expected, si, si_name)
       character(*), intent(in) :: unit_name, si_name(5)
       real(dp), intent(in) :: expected(5), si
       type(stated_noise_type) :: stated
@@ -74,27 +67,24 @@ contains
    end subroutine check_ones
 
    !> Of deg/h: Q deg/h s = arcsec, N (deg/h) sqrt(s) = 1/60 deg/sqrt(h), B deg/h, K (deg/h)/sqrt(s) = 60 deg/h^1.5, R 3600.
-   subroutine test_rate(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_rate()
       character(11), parameter :: si_name(5) = [character(11) :: "rad", "rad/sqrt(s)", "rad/s", "rad/s^1.5", "rad/s^2"]
 
-      call check_ones(error, "deg/h", [1.0_dp, 1/60.0_dp, 1.0_dp, 60.0_dp, 3600.0_dp], acos(-1.0_dp)/648000, si_name)
-      call check_ones(error, "rad/s", [206264.80624709636_dp, 3437.746770784939_dp, 206264.80624709636_dp, &
+      call check_ones("deg/h", [1.0_dp, 1/60.0_dp, 1.0_dp, 60.0_dp, 3600.0_dp], acos(-1.0_dp)/648000, si_name)
+      call check_ones("rad/s", [206264.80624709636_dp, 3437.746770784939_dp, 206264.80624709636_dp, &
                                        12375888.374825781_dp, 742553302.4895469_dp], 1.0_dp, si_name)
    end subroutine test_rate
 
-   subroutine test_acceleration(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_acceleration()
       character(11), parameter :: si_name(5) = [character(11) :: "m/s", "m/s/sqrt(s)", "m/s^2", "m/s^2.5", "m/s^3"]
       real(dp), parameter :: g = 9.80665_dp
 
-      call check_ones(error, "mg", [g*1.0e-3_dp, 0.06_dp*g, 1.0e3_dp, 6.0e4_dp, 3.6e6_dp], g*1.0e-3_dp, si_name)
-      call check_ones(error, "m/s^2", [1.0_dp, 60.0_dp, 1/9.80665e-6_dp, 60/9.80665e-6_dp, 3600/9.80665e-6_dp], 1.0_dp, si_name)
+      call check_ones("mg", [g*1.0e-3_dp, 0.06_dp*g, 1.0e3_dp, 6.0e4_dp, 3.6e6_dp], g*1.0e-3_dp, si_name)
+      call check_ones("m/s^2", [1.0_dp, 60.0_dp, 1/9.80665e-6_dp, 60/9.80665e-6_dp, 3600/9.80665e-6_dp], 1.0_dp, si_name)
    end subroutine test_acceleration
 
    !> Of N = 1 (deg/s) sqrt(s): 1 and sqrt(2) deg/s/sqrt(Hz).
-   subroutine test_densities(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_densities()
       type(stated_noise_type) :: stated
       real(dp), parameter :: root(2) = [1.0_dp, 1.4142135623730951_dp]
       integer :: i
@@ -114,8 +104,7 @@ contains
    end subroutine test_densities
 
    !> Without a rate or a unit nothing is in SI, and no density is stated.
-   subroutine test_nothing_known(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing_known()
       type(stated_noise_type) :: stated
       character(5), parameter :: name(2) = [character(5) :: "deg/s", ""]
       integer :: i
@@ -128,8 +117,7 @@ contains
    end subroutine test_nothing_known
 
    !> The factor that B's definition prints: sqrt(2 ln 2/pi) = 0.664.
-   subroutine test_definitions(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_definitions()
       character(:), allocatable :: text
       character(5) :: factor
 
@@ -140,8 +128,7 @@ contains
 
    !> Golden text: N = 0.2*0.0158 deg/sqrt(s) = 5.515e-5 rad/sqrt(s); B is not detected in the AKF's output, its limit
    !> 3e-3*0.2 deg/s.
-   subroutine test_text(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_text()
       character(80), parameter :: lines(6) = [character(80) :: &
          "  N               = 0.1896 +/- 0.0024 deg/sqrt(h), SI: 5.515e-05 +/- 7e-07", &
          "  B               < 2.16 deg/h, SI: < 1.047e-05 rad/s, definition sigma^2 = (2", &
@@ -159,8 +146,7 @@ contains
    end subroutine test_text
 
    !> Without rate and unit nothing is stated in SI, and N is no density.
-   subroutine test_text_nothing_known(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_text_nothing_known()
       character(:), allocatable :: text
 
       call noise_text(.false., stage%input, text)

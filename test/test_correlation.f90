@@ -1,46 +1,39 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of autocorrelation and partial autocorrelation at many lags, and of the tests of whiteness at every lag.
 module test_correlation
-   use expectations, only : check, check_refused
+   use expectations, only : problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_stats_correlation, only : correlation_type, compute_correlation, correlation_of
    use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use series_library, only : reference_series
-   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
-   public :: collect_correlation
+   public :: suite_correlation
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
 
 contains
 
-   subroutine collect_correlation(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("every_lag", test_every_lag), &
-         & new_unittest("partial", test_partial), &
-         & new_unittest("limits", test_limits), &
-         & new_unittest("all_lags", test_all_lags), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_correlation
+   subroutine suite_correlation()
+      call test("by_hand", test_by_hand)
+      call test("every_lag", test_every_lag)
+      call test("partial", test_partial)
+      call test("limits", test_limits)
+      call test("all_lags", test_all_lags)
+      call test("offset_scale", test_offset_scale)
+      call test("missing", test_missing)
+      call test("failures", test_failures)
+   end subroutine suite_correlation
 
    !> 1 2 3 4: rho = 1/4, -3/10; pacf_2 = (-3/10 - 1/16)/(1 - 1/16).
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(correlation_type) :: c
-      type(gyro_error), allocatable :: problem
 
       call compute_correlation([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], 2, 0, c, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(c%acf - [1.0_dp, 0.25_dp, -0.3_dp])) < tolerance, "acf")
       call check(error, maxval(abs(c%pacf - [1.0_dp, 0.25_dp, -0.3625_dp/0.9375_dp])) < tolerance, "pacf")
       call check(error, c%ljung_box(2), 24.0_dp*(1.0_dp/48.0_dp + 0.045_dp), thr=tolerance)
@@ -49,11 +42,9 @@ contains
    end subroutine test_by_hand
 
    !> The statistic at every lag is that of a test with so many lags; fitted parameters take degrees of freedom.
-   subroutine test_every_lag(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_every_lag()
       type(correlation_type) :: c
       type(ljung_box_type) :: lb
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: k
 
@@ -69,10 +60,8 @@ contains
    end subroutine test_every_lag
 
    !> The last coefficient of every model; of an AR(2) process nothing is left from lag 3 on.
-   subroutine test_partial(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_partial()
       type(correlation_type) :: c
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:), r(:), phi(:, :), variance(:)
       real(dp) :: mean
       integer :: k
@@ -91,10 +80,8 @@ contains
    end subroutine test_partial
 
    !> White noise stays within its limits at 95 % of the lags, a random walk does not; Bartlett's are wider.
-   subroutine test_limits(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_limits()
       type(correlation_type) :: c
-      type(gyro_error), allocatable :: problem
       integer :: outside
 
       call compute_correlation(reference_series("wn", 12000), 399, 0, c, problem)
@@ -107,23 +94,18 @@ contains
    end subroutine test_limits
 
    !> As many lags as samples: the autocorrelations of a centred series sum up to -1/2.
-   subroutine test_all_lags(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_all_lags()
       type(correlation_type) :: c
-      type(gyro_error), allocatable :: problem
 
       call compute_correlation(reference_series("ar1", 3000), 2999, 0, c, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, sum(c%acf(1:)), -0.5_dp, thr=1.0e-11_dp)
       call check(error, c%partial_lags == 2999 .and. maxval(abs(c%pacf)) <= 1.0_dp, "pacf")
    end subroutine test_all_lags
 
    !> An offset of 2^30 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024; few lags and many.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(correlation_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: lags
 
@@ -137,10 +119,8 @@ contains
    end subroutine test_offset_scale
 
    !> Gaps: rho over present pairs; a mask of ones changes nothing.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(correlation_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       integer :: i
@@ -163,35 +143,27 @@ contains
    end subroutine test_missing
 
    !> What has no correlation.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(1000)
 
       x = 3.7_dp
-      call expect(x, 5, 0, status%constant_input, error)
-      if (allocated(error)) return
+      call expect(x, 5, 0, status%constant_input)
       x(::2) = 4.0_dp
-      call expect(x, 1000, 0, status%too_few_samples, error)
-      if (allocated(error)) return
-      call expect(x(:5), 5, 0, status%too_few_samples, error)
-      if (allocated(error)) return
-      call expect(x, 0, 0, status%invalid_argument, error)
-      if (allocated(error)) return
-      call expect(x, -1, 0, status%invalid_argument, error)
-      if (allocated(error)) return
-      call expect(x, 3, 3, status%invalid_argument, error)
+      call expect(x, 1000, 0, status%too_few_samples)
+      call expect(x(:5), 5, 0, status%too_few_samples)
+      call expect(x, 0, 0, status%invalid_argument)
+      call expect(x, -1, 0, status%invalid_argument)
+      call expect(x, 3, 3, status%invalid_argument)
    end subroutine test_failures
 
    !> The call fails with this code.
-   subroutine expect(x, lags, fitted, code, error)
+   subroutine expect(x, lags, fitted, code)
       real(dp), intent(in), contiguous :: x(:)
       integer, intent(in) :: lags, fitted, code
-      type(error_type), allocatable, intent(out) :: error
       type(correlation_type) :: c
-      type(gyro_error), allocatable :: problem
 
       call compute_correlation(x, lags, fitted, c, problem)
-      call check_refused(error, problem, code)
+      call check_refused(problem, code)
    end subroutine expect
 
 end module test_correlation

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Dates and times of day: their forms, their precision, what is refused; decimal commas.
 module test_dates
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_io_date, only : day_number, is_day_first, kind_of_field, scan_stamp, stamp_kind
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_commas, only : decimal_fields, seconds_comma
@@ -13,32 +12,29 @@ module test_dates
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: collect_dates
+   public :: suite_dates
 
    character(1), parameter :: nl = new_line("a"), tab = achar(9)
 
 contains
 
    !> Names the tests.
-   subroutine collect_dates(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("days", test_days), &
-         new_unittest("kinds", test_kinds), &
-         new_unittest("moments", test_moments), &
-         new_unittest("zones", test_zones), &
-         new_unittest("nanoseconds", test_nanoseconds), &
-         new_unittest("refused", test_refused), &
-         new_unittest("day-first", test_day_first), &
-         new_unittest("midnight", test_midnight), &
-         new_unittest("columns", test_columns), &
-         new_unittest("odd-rows", test_odd_rows), &
-         new_unittest("long-stamps", test_long), &
-         new_unittest("decimal-fields", test_decimal_fields), &
-         new_unittest("seconds-comma", test_seconds_comma), &
-         new_unittest("decimal-commas", test_commas)]
-   end subroutine collect_dates
+   subroutine suite_dates()
+      call test("days", test_days)
+      call test("kinds", test_kinds)
+      call test("moments", test_moments)
+      call test("zones", test_zones)
+      call test("nanoseconds", test_nanoseconds)
+      call test("refused", test_refused)
+      call test("day-first", test_day_first)
+      call test("midnight", test_midnight)
+      call test("columns", test_columns)
+      call test("odd-rows", test_odd_rows)
+      call test("long-stamps", test_long)
+      call test("decimal-fields", test_decimal_fields)
+      call test("seconds-comma", test_seconds_comma)
+      call test("decimal-commas", test_commas)
+   end subroutine suite_dates
 
    !> A text as bytes with a line feed and room behind it.
    function bytes_of(text) result(bytes)
@@ -72,8 +68,7 @@ contains
    end function kind_of
 
    !> Days known from elsewhere: the epoch, a leap day, the day that MJD 60000 is (2023-02-25, 60000 - 40587).
-   subroutine test_days(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_days()
       integer :: year
 
       call check(error, day_number(1970, 1, 1), 0_int64)
@@ -86,8 +81,7 @@ contains
       call check(error, year, 2401)
    end subroutine test_days
 
-   subroutine test_kinds(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_kinds()
       character(32), parameter :: text(17) = [character(32) :: "2026-05-01T12:00:00.5Z", "2026/5/1", "12:00", "9:05:07.25", &
          "2026-05-01", "01.05.2026", "1777636800123456789", "1777636800.123456789", "12.5", "2026", "1.05.26", "20260501", &
          "20260501120000020", "20260501_120000.020", "12-00-00_020", "12-00-00", "14463792000000000"]
@@ -101,8 +95,7 @@ contains
       end do
    end subroutine test_kinds
 
-   subroutine test_moments(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_moments()
       character(32), parameter :: text(13) = [character(32) :: "20260501120000000", "20260501_120000.000", &
          "20260501T120000Z", "2026-05-01_12-00-00_000", "2026-05-01T12:00:00", "2026/05/01T12:00", "2026-5-1 12:00:00", &
          """2026-05-01 12:00:00,0""", "2026-05-01t12:00:00.000Z", "2026.05.01   12:00:00", "01.05.2026 12:00:00", &
@@ -116,8 +109,7 @@ contains
       call check(error, seconds("2026-05-02T23:59:60", stamp_kind%moment), 172800.0_dp, thr=0.0_dp, more="leap second")
    end subroutine test_moments
 
-   subroutine test_zones(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_zones()
       character(32), parameter :: text(5) = [character(32) :: "2026-05-01T14:00:00+02:00", "2026-05-01T12:30+0030", &
          "2026-05-01 06:30:00.0-05:30", "2026-05-02T01:00:00+13", "2026-05-01T12:00:00-00:00"]
       integer :: i
@@ -128,8 +120,7 @@ contains
    end subroutine test_zones
 
    !> Within the first day half a unit in the last place is 7.3 ps.
-   subroutine test_nanoseconds(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nanoseconds()
       real(dp), parameter :: half_unit = 7.3e-12_dp
 
       call check(error, seconds("2026-05-01T23:59:59.123456789Z", stamp_kind%moment), 86399.123456789_dp, thr=half_unit)
@@ -137,8 +128,7 @@ contains
       call check(error, seconds("2026-05-01T00:00:00.0000000010000000009999", stamp_kind%moment), 1.0e-9_dp, thr=1.0e-17_dp)
    end subroutine test_nanoseconds
 
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       character(32), parameter :: text(18) = [character(32) :: "2026-13-01T00:00", "2026-02-29", "2026-00-10", "2026-05-32", &
          "2026-05/01", "2026-05-01T25:00", "2026-05-01T12:60", "2026-05-01T12:00:61", "2026-05-01T", "2026-05-01T12:0", &
          "26-05-01", "2026-05-01T12:00+2", "01/05/2026", "2026-05-01T12:00:00,5", &
@@ -150,8 +140,7 @@ contains
       end do
    end subroutine test_refused
 
-   subroutine test_day_first(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_day_first()
       character(12), parameter :: text(6) = [character(12) :: "01/05/2026", "1-5-26", "2026/05/01", "1/5", "-1-5-26", "12.5"]
       logical, parameter :: first(6) = [.true., .true., .false., .false., .false., .false.]
       integer :: i
@@ -160,12 +149,11 @@ contains
          call check(error, is_day_first(bytes_of(trim(text(i))), 1_int64, len_trim(text(i), int64)) .eqv. first(i), &
                     trim(text(i)))
       end do
-      call expect_error(error, "time,gx"//nl//"05/01/2026 12:00:00,1"//nl, "may have the day or the month first")
+      call expect_error("time,gx"//nl//"05/01/2026 12:00:00,1"//nl, "may have the day or the month first")
    end subroutine test_day_first
 
    !> Three midnights, a stamp out of order at one of them.
-   subroutine test_midnight(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_midnight()
       real(dp) :: t(9)
 
       t = [86398.0_dp, 86399.5_dp, 0.5_dp, 86399.75_dp, 1.0_dp, 40000.0_dp, 60000.0_dp, 10.0_dp, 20.0_dp]
@@ -175,14 +163,12 @@ contains
    end subroutine test_midnight
 
    !> Reads four rows: 2 Hz, the values 1 to 4, whatever the columns look like.
-   subroutine expect_rows(error, content, channels, options)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect_rows(content, channels, options)
       character(*), intent(in) :: content
       integer, intent(in) :: channels
       type(reader_options), intent(in), optional :: options
       type(reader_options) :: given
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: path
 
       if (present(options)) given = options
@@ -192,33 +178,27 @@ contains
       call remove_file(path)
       if (allocated(failed)) call check(error, .false., content//": "//failed%message)
       if (allocated(error)) return
-      call check(error, size(record%value, 2), channels, more=content)
-      if (allocated(error)) return
-      call check(error, size(record%value, 1), 4, more=content)
-      if (allocated(error)) return
+      if (unmet(size(record%value, 2), channels, more=content)) return
+      if (unmet(size(record%value, 1), 4, more=content)) return
       call check(error, 1.0_dp/record%sample_interval, 2.0_dp, thr=1.0e-9_dp, more=content)
       call check(error, all(abs(record%value(:, channels) - [1.5_dp, 2.5_dp, 3.5_dp, 4.5_dp]) < 1e-12_dp), content)
    end subroutine expect_rows
 
    !> The message holds a text.
-   subroutine expect_error(error, content, fragment)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect_error(content, fragment)
       character(*), intent(in) :: content, fragment
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: path
 
       path = scratch_path("dates.csv")
       call write_bytes(path, content)
       call read_record(path, reader_options(), record, failed)
       call remove_file(path)
-      call check(error, allocated(failed), content)
-      if (allocated(error)) return
+      if (unmet(allocated(failed), content)) return
       call check(error, index(failed%message, fragment) > 0, failed%message)
    end subroutine expect_error
 
-   subroutine test_columns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_columns()
       character(26), parameter :: t(4) = [character(26) :: "2026-05-01 23:59:59.250", "2026-05-01 23:59:59.750", &
                                           "2026-05-02 00:00:00.250", "2026-05-02 00:00:00.750"]
       character(4), parameter :: x(4) = ["1.5 ", "2.5 ", "3.5 ", "4.5 "]
@@ -239,44 +219,38 @@ contains
          row(6) = trim(row(6))//""""//trim(t(i)(12:))//""","//trim(x(i))//nl
       end do
       do k = 1, 6
-         call expect_rows(error, trim(row(k)), 1)
+         call expect_rows(trim(row(k)), 1)
       end do
    end subroutine test_columns
 
    !> Blank stamps, comments behind a row, a number where a date was.
-   subroutine test_odd_rows(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call expect_rows(error, "time,gx"//nl//"2026-05-01 12:00:00,1.5 # first"//nl//",2.5"//nl//"2026-05-01 12:00:01,3.5"//nl// &
+   subroutine test_odd_rows()
+      call expect_rows("time,gx"//nl//"2026-05-01 12:00:00,1.5 # first"//nl//",2.5"//nl//"2026-05-01 12:00:01,3.5"//nl// &
                        """2026-05-01 12:00:01.500"",4.5"//nl, 1)
-      call expect_rows(error, "date;time;gx"//nl//"2026-05-01;12:00:00;1.5"//nl//"2026-05-01;;2.5"//nl// &
+      call expect_rows("date;time;gx"//nl//"2026-05-01;12:00:00;1.5"//nl//"2026-05-01;;2.5"//nl// &
                        "2026-05-01;12:00:01;3.5"//nl//"2026-05-01;12:00:01.5;4.5"//nl//"2026-05-01;nan;5.5"//nl, 1)
-      call expect_error(error, "2026-05-01T12:00:00,1"//nl//"2026-05-01T12:00:61,2"//nl, "is not a date as in the first row")
-      call expect_error(error, "12:00:00,1"//nl//"noon,2"//nl, "is not a time of day as in the first row")
-      call expect_error(error, "1,1"//nl//"12:00,2"//nl, "the first row has a number in this column")
-      call expect_error(error, "time"//nl//"12:00"//nl//"12:01"//nl, "there is no column besides the time")
+      call expect_error("2026-05-01T12:00:00,1"//nl//"2026-05-01T12:00:61,2"//nl, "is not a date as in the first row")
+      call expect_error("12:00:00,1"//nl//"noon,2"//nl, "is not a time of day as in the first row")
+      call expect_error("1,1"//nl//"12:00,2"//nl, "the first row has a number in this column")
+      call expect_error("time"//nl//"12:00"//nl//"12:01"//nl, "there is no column besides the time")
    end subroutine test_odd_rows
 
    !> Nanoseconds since 1970: a double alone has steps of 256 of them.
-   subroutine test_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long()
       character(:), allocatable :: path
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
 
       path = scratch_path("long.csv")
       call write_bytes(path, "stamp,gx"//nl//"1777636800123456701,1"//nl//"1777636800123456802,2"//nl// &
                        "1777636800123456903,3"//nl//"1777636800123457004,4"//nl)
       call read_record(path, reader_options(), record, failed)
       call remove_file(path)
-      call check(error, .not. allocated(failed), "read")
-      if (allocated(error)) return
+      if (went_wrong(failed, "read")) return
       call check(error, record%sample_interval, 101.0e-9_dp, thr=1.0e-12_dp, rel=.true.)
       call check(error, record%audit%jitter_max < 1.0e-15_dp, "even")
    end subroutine test_long
 
-   subroutine test_decimal_fields(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_decimal_fields()
       character(40), parameter :: text(16) = [character(40) :: "1,5;2,3", "1,5 2,3  3", "1,5;;2,3;", "01.05.2026 12:00:00,5;1,5", &
          "1,5", "1,2,3", "1.5;2,3", "1,5; ,3", "1.234,5;2", "1, 2", "-1,5e-3;NaN", "1,5"//tab//"2", &
          "2026-05-01 12:00:00,5", "2026-05-01 12:00:00.25,5", "2026.05.01T12:00:00,000Z;-3,25;1", "1.2.3,5;2"]
@@ -289,8 +263,7 @@ contains
       end do
    end subroutine test_decimal_fields
 
-   subroutine test_seconds_comma(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_seconds_comma()
       character(40), parameter :: text(8) = [character(40) :: "12:00:00,123 1.5", "12:00:00,123456;1.5", "12:00:00,123,1.5", &
          "12:00:00,0.5", "12:00:00,12;1.5", "12:00:00,123", "12:00:00,123+02:00;1.5", "12:00:00,123Z,1.5"]
       logical, parameter :: decimal(8) = [.true., .true., .false., .false., .false., .false., .true., .false.]
@@ -303,17 +276,16 @@ contains
    end subroutine test_seconds_comma
 
    !> Read where it is sure or said, else refused, never split.
-   subroutine test_commas(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_commas()
       type(reader_options) :: options
 
       options%rate_hz = 2.0_dp
-      call expect_rows(error, "1,25;1,5"//nl//"2;2,5"//nl//"0,5;3,5"//nl//"1;4,5"//nl, 2, options)
-      call expect_rows(error, "1,25 1,5"//nl//"2 2,5"//nl//"0,5 3,5"//nl//"1,0 4,5"//nl, 2, options)
+      call expect_rows("1,25;1,5"//nl//"2;2,5"//nl//"0,5;3,5"//nl//"1;4,5"//nl, 2, options)
+      call expect_rows("1,25 1,5"//nl//"2 2,5"//nl//"0,5 3,5"//nl//"1,0 4,5"//nl, 2, options)
       options%decimal_comma = .true.
-      call expect_rows(error, "1,5"//nl//"2,5"//nl//"3,5"//nl//"4,5"//nl, 1, options)
-      call expect_error(error, "1,5;2,3"//nl//"1.5;2.3"//nl, "this looks like a decimal comma")
-      call expect_error(error, "a;b;c"//nl//"1,5;2,3"//nl, "this looks like a decimal comma")
+      call expect_rows("1,5"//nl//"2,5"//nl//"3,5"//nl//"4,5"//nl, 1, options)
+      call expect_error("1,5;2,3"//nl//"1.5;2.3"//nl, "this looks like a decimal comma")
+      call expect_error("a;b;c"//nl//"1,5;2,3"//nl, "this looks like a decimal comma")
    end subroutine test_commas
 
 end module test_dates

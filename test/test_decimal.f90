@@ -2,15 +2,14 @@
 !> Numbers as text: the layout, and the digits against the Fortran library's.
 module test_decimal
    use, intrinsic :: ieee_arithmetic, only : ieee_negative_inf, ieee_quiet_nan, ieee_value
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type, test_failed
+   use expectations, only : unmet, test, error, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_decimal, only : format_real, shortest_digits
    use gyroakf_io_wide_power, only : int128, least_power, most_power, power_scale, wide_power
    implicit none (type, external)
    private
-   public :: collect_decimal
+   public :: suite_decimal
 
    !> Limbs of 30 bits, the lowest first
    integer, parameter :: limbs = 48
@@ -18,21 +17,17 @@ module test_decimal
 contains
 
    !> Names the tests.
-   subroutine collect_decimal(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_decimal()
+      call test("written-numbers", test_numbers)
+      call test("not-finite", test_not_finite)
+      call test("random-against-library", test_library)
+      call test("shortest-reads-back", test_shortest)
+      call test("shortest-is-nearest", test_nearest)
+      call test("known-shortest", test_known_shortest)
+      call test("wide-powers", test_wide_powers)
+   end subroutine suite_decimal
 
-      testsuite = [ &
-         new_unittest("written-numbers", test_numbers), &
-         new_unittest("not-finite", test_not_finite), &
-         new_unittest("random-against-library", test_library), &
-         new_unittest("shortest-reads-back", test_shortest), &
-         new_unittest("shortest-is-nearest", test_nearest), &
-         new_unittest("known-shortest", test_known_shortest), &
-         new_unittest("wide-powers", test_wide_powers)]
-   end subroutine collect_decimal
-
-   subroutine test_numbers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_numbers()
       real(dp), parameter :: value(13) = [0.0_dp, -0.0_dp, 1.0_dp, -0.25_dp, 0.1_dp, 0.1_dp, 12000.0_dp, 123456.0_dp, 1.0e-5_dp, &
          0.00012345_dp, 9.9996_dp, 1.0e100_dp, -2.5e-308_dp]
       integer, parameter :: digits(13) = [5, 5, 17, 9, 17, 9, 6, 3, 9, 9, 4, 3, 9]
@@ -45,9 +40,7 @@ contains
       end do
    end subroutine test_numbers
 
-   subroutine test_not_finite(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_not_finite()
       call check(error, format_real(ieee_value(1.0_dp, ieee_quiet_nan), 17), "nan")
       call check(error, format_real(ieee_value(1.0_dp, ieee_negative_inf), 0), "-inf")
    end subroutine test_not_finite
@@ -71,8 +64,7 @@ contains
    end function draw
 
    !> The Fortran library rounds correctly, too.
-   subroutine test_library(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_library()
       character(40) :: text
       character(12) :: form
       integer(int64) :: state
@@ -85,7 +77,7 @@ contains
          write (form, "(a, i0, a)") "(es32.", mod(i, 17), "e4)"
          write (text, form) x
          if (normal_form(format_real(x, 1 + mod(i, 17))) == normal_form(trim(adjustl(text)))) cycle
-         call test_failed(error, format_real(x, 1 + mod(i, 17))//" should be "//text)
+         call check(error, .false., format_real(x, 1 + mod(i, 17))//" should be "//text)
          return
       end do
    end subroutine test_library
@@ -113,27 +105,24 @@ contains
       if (text(1:1) == "-") form = "-"//form
    end function normal_form
 
-   subroutine test_shortest(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_shortest()
       integer(int64) :: state
       integer :: i, found
       real(dp) :: x, back
 
-      call check(error, format_real(0.1_dp, 0)//" "//format_real(-2.5e-7_dp, 0), "0.1 -2.5e-07")
-      if (allocated(error)) return
+      if (unmet(format_real(0.1_dp, 0)//" "//format_real(-2.5e-7_dp, 0), "0.1 -2.5e-07")) return
       state = 7
       do i = 1, 20000
          x = draw(state, i)
          call parse_number(format_real(x, 0), back, found)
          if (found == number%ok .and. transfer(x, state) == transfer(back, state)) cycle
-         call test_failed(error, format_real(x, 17)//" becomes "//format_real(x, 0))
+         call check(error, .false., format_real(x, 17)//" becomes "//format_real(x, 0))
          return
       end do
    end subroutine test_shortest
 
    !> No number of fewer digits reads back, and of those with as many none is nearer.
-   subroutine test_nearest(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nearest()
       integer(int64) :: state, whole
       integer :: i, exponent, found, used
       real(dp) :: x, back
@@ -161,8 +150,7 @@ contains
    end subroutine test_nearest
 
    !> The smallest and the largest, powers of two with a narrow step below, a halfway case.
-   subroutine test_known_shortest(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_known_shortest()
       real(dp), parameter :: value(7) = [2.2250738585072014e-308_dp, huge(1.0_dp), 9007199254740992.0_dp, 1.0e23_dp, &
          9.5367431640625e-7_dp, 123456789012345680.0_dp, 2.0_dp**(-44)]
       character(24), parameter :: expected(7) = [character(24) :: "2.2250738585072014e-308", "1.7976931348623157e+308", &
@@ -176,8 +164,7 @@ contains
    end subroutine test_known_shortest
 
    !> power * 2^scale <= 10^k < (power + 1) * 2^scale for every k, in integers of any length.
-   subroutine test_wide_powers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_wide_powers()
       integer(int128) :: power
       integer(int64) :: below(limbs), above(limbs), exact(limbs)
       integer :: k

@@ -10,31 +10,27 @@ module test_design
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use filter_library, only : fill_noise, make_series, paper_phi
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failure => problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_design
+   public :: suite_design
 
 contains
 
-   subroutine collect_design(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("paper_kalman", test_kf), &
-         & new_unittest("paper_adaptive_start", test_akf_start), &
-         & new_unittest("paper_adaptive_variance", test_akf_variance), &
-         & new_unittest("paper_adaptive_other_series", test_akf_bounded), &
-         & new_unittest("robust", test_robust), &
-         & new_unittest("letters", test_letters), &
-         & new_unittest("white_model", test_white), &
-         & new_unittest("drift_with_jumping_noise", test_jump), &
-         & new_unittest("identified_by_likelihood", test_identified), &
-         & new_unittest("unstable_model", test_unstable), &
-         & new_unittest("unstable_by_hand", test_unstable_by_hand), &
-         & new_unittest("refused", test_refused)]
-   end subroutine collect_design
+   subroutine suite_design()
+      call test("paper_kalman", test_kf)
+      call test("paper_adaptive_start", test_akf_start)
+      call test("paper_adaptive_variance", test_akf_variance)
+      call test("paper_adaptive_other_series", test_akf_bounded)
+      call test("robust", test_robust)
+      call test("letters", test_letters)
+      call test("white_model", test_white)
+      call test("drift_with_jumping_noise", test_jump)
+      call test("identified_by_likelihood", test_identified)
+      call test("unstable_model", test_unstable)
+      call test("unstable_by_hand", test_unstable_by_hand)
+      call test("refused", test_refused)
+   end subroutine suite_design
 
    !> The AR(p) model of a series; variance of its differences
    subroutine fit(z, order, model, difference_variance)
@@ -42,16 +38,13 @@ contains
       integer, intent(in) :: order
       type(ar_model_type), intent(out) :: model
       real(dp), intent(out) :: difference_variance
-      type(gyro_error), allocatable :: failure
 
       call fit_ar(z, ar_options(order=order), model, failure)
       difference_variance = sum((z(2:) - z(:size(z) - 1))**2)/(size(z) - 1)
    end subroutine fit
 
    !> Q the noise variance, R the variance times the factor, the state stationary; the two gains of Table II
-   subroutine test_kf(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_kf()
       type(ar_model_type) :: model
       type(design_options) :: options
       type(filter_type) :: filter
@@ -70,9 +63,7 @@ contains
    end subroutine test_kf
 
    !> Q0 = sigma_a^2, R0 = P0 = Var(z), x0 = 0, Q and R, b = 0.98, the printed posterior
-   subroutine test_akf_start(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_akf_start()
       type(ar_model_type) :: model
       type(filter_type) :: filter
 
@@ -81,8 +72,7 @@ contains
       model%variance = 2
       model%noise_variance = 1.5_dp
       call design_akf(model, 1.0_dp, design_options(), filter, failure)
-      call check(error,.not. allocated(failure), "the filter is not made")
-      if (allocated(error)) return
+      if (went_wrong(failure, "the filter is not made")) return
       call check(error, sum(abs([filter%q - 1.5_dp, filter%r - 2, filter%p(1, 1) - 2, filter%p(2, 2) - 2, &
                                  filter%p(1, 2), &
                                  filter%x, filter%options%forgetting - 0.98_dp])), 0.0_dp)
@@ -94,9 +84,7 @@ contains
    end subroutine test_akf_start
 
    !> The paper's record: of 5.2e-4 a few 1e-5 are left (3.1e-5 ... 3.5e-5 over fifty records), no step at a bound
-   subroutine test_akf_variance(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_akf_variance()
       type(ar_model_type) :: model
       type(filter_type) :: filter
       type(filter_result_type) :: result
@@ -116,9 +104,7 @@ contains
 
    !> White noise, slow and alternating AR(1), a random walk; orders 1 and 3; three b; Q and R or all four:
    !> never diverging, never collapsed
-   subroutine test_akf_bounded(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_akf_bounded()
       type(ar_model_type) :: model
       type(filter_type) :: filter
       type(filter_result_type) :: result
@@ -135,8 +121,7 @@ contains
                call design_akf(model, differences, design_options(forgetting=b(mod(j - 1, 3) + 1), &
                                estimate=merge("QR  ", "qrQR", j <= size(b))), filter, failure)
                call filter_series(filter, z, x, result, failure)
-               call check(error,.not. allocated(failure), "no result")
-               if (allocated(error)) return
+               if (went_wrong(failure, "no result")) return
                call check(error, result%variance < 1.1_dp*model%variance, "diverged")
                call check(error, result%gain > 0.01_dp, "collapsed")
             end do
@@ -145,9 +130,7 @@ contains
    end subroutine test_akf_bounded
 
    !> R alone on the paper's record: R falls towards zero and the series passes, because it holds no white noise
-   subroutine test_robust(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_robust()
       type(ar_model_type) :: model
       type(filter_type) :: filter
       type(filter_result_type) :: result
@@ -159,16 +142,13 @@ contains
       call check(error, filter%wait >= 20 .and. filter%options%huber > 2.4_dp, "no burn-in or no gate")
       call check(error, filter%r_bounds(2), 50*differences, thr=1.0e-12_dp, rel=.true.)
       call filter_series(filter, z, x, result, failure)
-      call check(error, size(result%estimate), 1)
-      if (allocated(error)) return
+      if (unmet(size(result%estimate), 1)) return
       call check(error, result%variance > 0.85_dp*model%variance, "the series does not pass")
       call check(error, result%gain > 0.93_dp, "the gain is not near 1")
    end subroutine test_robust
 
    !> Any subset, in any order
-   subroutine test_letters(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_letters()
       type(ar_model_type) :: model
       type(filter_type) :: filter
       real(dp) :: z(500), differences
@@ -185,15 +165,12 @@ contains
       call design_akf(model, differences, design_options(estimate="none"), filter, failure)
       call check(error, .not. filter%adaptive)
       call design_akf(model, differences, design_options(estimate="QX"), filter, failure)
-      call check(error, allocated(failure), "X is not a letter")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "X is not a letter")) return
       call check(error, index(failure%message, "'X'") > 0, "the letter is not named")
    end subroutine test_letters
 
    !> Order 0: half of the series, the limit of a small coefficient, and a sentence about it
-   subroutine test_white(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_white()
       type(ar_model_type) :: model
       type(filter_type) :: filter
       type(filter_result_type) :: result
@@ -202,21 +179,17 @@ contains
       call fill_noise(97, z)
       call fit(z, 0, model, differences)
       call design_kf(model, design_options(), filter, failure)
-      call check(error,.not. allocated(failure), "order 0 is refused")
-      if (allocated(error)) return
+      if (went_wrong(failure, "order 0 is refused")) return
       call filter_series(filter, z, x, result, failure)
       call check(error, result%gain, 0.5_dp, thr=1.0e-12_dp)
-      call check(error, size(result%warnings) > 0, "nothing is said about it")
-      if (allocated(error)) return
+      if (unmet(size(result%warnings) > 0, "nothing is said about it")) return
       call design_akf(model, differences, design_options(), filter, failure)
       call filter_series(filter, z, x, result, failure)
       call check(error, result%variance < 0.2_dp .and. result%gain > 0.05_dp, "the adaptive filter is not bounded")
    end subroutine test_white
 
    !> White noise three times as large in the middle third: the adaptive filter within 1.05 of the one that knows when
-   subroutine test_jump(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_jump()
       type(drift_identification_type) :: model
       type(filter_type) :: filter
       real(dp) :: z(12000), x(12000), drift(12000), best, p, k
@@ -242,9 +215,7 @@ contains
 
    !> Identified from the record itself, against the filter that knows the truth, also from R wrong by 1e-3 and 1e3; what the
    !> adaptive filter is made of
-   subroutine test_identified(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_identified()
       type(drift_identification_type) :: found, wrong
       type(filter_options) :: options
       type(filter_type) :: filter
@@ -256,8 +227,7 @@ contains
       call run_filter(filter, z, x)
       best = norm2(x - drift)
       call design_drift_kf(found, filter, failure)
-      call check(error, allocated(failure), "a drift that was not found is filtered")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "a drift that was not found is filtered")) return
       call identify_drift_model(z, drift_identification_options(), found, failure)
       call check(error, found%found, "the drift is not found")
       call design_drift_kf(found, filter, failure)
@@ -277,43 +247,32 @@ contains
       call check(error, filter%r_bounds(1), 0.5_dp*differences*options%r_lower, thr=1.0e-12_dp, rel=.true.)
       found%found = .false.
       call design_drift_akf(found, differences, drift_options(), filter, failure)
-      call check(error, allocated(failure), "a drift that was not found is followed")
-      if (allocated(error)) return
-      call check(error, failure%code, status%invalid_argument)
+      call check_refused(failure, status%invalid_argument)
    end subroutine test_identified
 
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_refused()
       type(ar_model_type) :: model
       type(drift_identification_type) :: drift
       type(filter_type) :: filter
       real(dp) :: z(500), differences
 
       call design_kf(model, design_options(), filter, failure)
-      call check(error, allocated(failure), "an empty model")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "an empty model")) return
       call fill_noise(100, z)
       call fit(z, 1, model, differences)
       call design_kf(model, design_options(r_factor=0.0_dp), filter, failure)
-      call check(error, allocated(failure), "r_factor = 0")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "r_factor = 0")) return
       call design_akf(model, differences, design_options(akf="other"), filter, failure)
-      call check(error, allocated(failure), "an unknown form")
-      if (allocated(error)) return
-      call check(error, failure%code, status%invalid_argument)
+      call check_refused(failure, status%invalid_argument)
       call design_drift_kf(drift, filter, failure)
-      call check(error, allocated(failure), "no drift was found")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "no drift was found")) return
       model%variance = 0
       call design_kf(model, design_options(), filter, failure)
       call check(error, failure%code, status%constant_input)
    end subroutine test_refused
 
    !> Least squares of a growing series gives a model that grows: no filter is made of it, and the message says so
-   subroutine test_unstable(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_unstable()
       type(ar_model_type) :: model
       type(filter_type) :: filter
       real(dp) :: z(400)
@@ -325,19 +284,16 @@ contains
       end do
       do i = 1, 2
          call fit_ar(z, ar_options(method="ols", order=i), model, failure)
-         call check(error, .not. allocated(failure) .and. .not. model%stationary, "least squares does not grow")
-         if (allocated(error)) return
+         if (unmet(.not. allocated(failure) .and. .not. model%stationary, "least squares does not grow")) return
          call design_kf(model, design_options(), filter, failure)
-         call check_unstable(error, failure)
+         call check_unstable(failure)
          call design_akf(model, 0.0_dp, design_options(), filter, failure)
-         call check_unstable(error, failure)
+         call check_unstable(failure)
       end do
    end subroutine test_unstable
 
    !> Coefficients set by hand: at the unit circle and beyond, order 1 and 2
-   subroutine test_unstable_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_unstable_by_hand()
       type(ar_model_type) :: model
       type(filter_type) :: filter
       real(dp), parameter :: phi(2, 4) = reshape([1.0_dp, 0.0_dp, -1.0_dp, 0.0_dp, 1.5_dp, -0.4_dp, 0.3_dp, 0.8_dp], [2, 4])
@@ -348,20 +304,17 @@ contains
       do i = 1, 4
          model%coefficient = phi(:merge(1, 2, i <= 2), i)
          call design_kf(model, design_options(), filter, failure)
-         call check_unstable(error, failure)
+         call check_unstable(failure)
          call design_akf(model, 1.0_dp, design_options(), filter, failure)
-         call check_unstable(error, failure)
+         call check_unstable(failure)
       end do
    end subroutine test_unstable_by_hand
 
    !> Refused as not stationary, in words
-   subroutine check_unstable(error, failure)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_unstable(failure)
       type(gyro_error), allocatable, intent(in) :: failure
 
-      call check(error, allocated(failure), "a model that is not stationary made a filter")
-      if (allocated(error)) return
-      call check(error, failure%code, status%unstable)
+      call check_refused(failure, status%unstable)
       call check(error, index(failure%message, "stationary") > 0, "the message does not say why: "//failure%message)
    end subroutine check_unstable
 end module test_design

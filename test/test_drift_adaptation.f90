@@ -5,32 +5,27 @@ module test_drift_adaptation
    use gyroakf_kinds, only : dp
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter, run_filter, freeze_filter
-   use drift_filter_cases, only : adaptive, make, make_data, some_model
+   use drift_filter_cases, only : adaptive, not_made, make_data, some_model
    use filter_library, only : make_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    implicit none (type, external)
    private
-   public :: collect_drift_adaptation
+   public :: suite_drift_adaptation
 
 contains
 
-   subroutine collect_drift_adaptation(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("outlier", test_outlier), &
-         & new_unittest("gate_is_consistent", test_consistency), &
-         & new_unittest("level_shift", test_shift), &
-         & new_unittest("frozen", test_frozen), &
-         & new_unittest("bounds", test_bounds), &
-         & new_unittest("wrong_start_of_R", test_wrong_start), &
-         & new_unittest("burn_in", test_burn_in)]
-   end subroutine collect_drift_adaptation
+   subroutine suite_drift_adaptation()
+      call test("outlier", test_outlier)
+      call test("gate_is_consistent", test_consistency)
+      call test("level_shift", test_shift)
+      call test("frozen", test_frozen)
+      call test("bounds", test_bounds)
+      call test("wrong_start_of_R", test_wrong_start)
+      call test("burn_in", test_burn_in)
+   end subroutine suite_drift_adaptation
 
    !> One outlier moves the drift by no more than the gate lets it
-   subroutine test_outlier(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_outlier()
       type(component_model_type) :: model
       type(filter_type) :: filter, other
       real(dp) :: z(2000), x(2000), y, without, r
@@ -39,8 +34,7 @@ contains
       do processes = 1, 3
          model = some_model(processes)
          call make_data(80, model, z)
-         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
-         if (allocated(error)) return
+         if (not_made(filter, model, spread(.true., 1, processes), adaptive())) return
          call run_filter(filter, z, x)
          other = filter
          call step_filter(other, ieee_value(y, ieee_quiet_nan), without)
@@ -49,13 +43,11 @@ contains
          call check(error, abs(y - without) <= 2.5_dp*sqrt(filter%innovation_variance), "an outlier gets through")
          call check(error, filter%p(1, 1) > 0.99_dp*other%p(1, 1), "an outlier makes the filter sure")
          call check(error, filter%r < 1.1_dp*r .and. filter%r > r, "R follows an outlier")
-         if (allocated(error)) return
       end do
    end subroutine test_outlier
 
    !> On normal data the gate does not bias R
-   subroutine test_consistency(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_consistency()
       integer, parameter :: n = 100000
       type(component_model_type) :: model
       type(filter_options) :: options
@@ -68,16 +60,14 @@ contains
       options = adaptive()
       options%forgetting = 1
       options%huber = 1.5_dp
-      call make(filter, model, [.true., .true.], options, error)
-      if (allocated(error)) return
+      if (not_made(filter, model, [.true., .true.], options)) return
       call run_filter(filter, z, x)
       call check(error, filter%r, model%r, thr=0.02_dp, rel=.true.)
       call check(error, real(filter%gated, dp)/n, 0.13361_dp, thr=0.004_dp)     ! 2 Phi(-1.5), five standard deviations
    end subroutine test_consistency
 
    !> A level that has shifted is followed after ten gated innovations of one sign
-   subroutine test_shift(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_shift()
       integer, parameter :: n = 1000
       type(component_model_type) :: model
       type(filter_type) :: filter
@@ -90,23 +80,19 @@ contains
          if (processes == 1) model%q(1) = 1.0e-3_dp
          call make_data(100, model, z, drift)
          z(501:) = z(501:) + 200
-         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
-         if (allocated(error)) return
+         if (not_made(filter, model, spread(.true., 1, processes), adaptive())) return
          call run_filter(filter, z(:500), x(:500))
          r = filter%r
          call run_filter(filter, z(501:510), x(501:510))
          call check(error, x(510) - drift(510) < 100, "a shift is believed at once")
-         if (allocated(error)) return
          call run_filter(filter, z(511:515), x(511:515))
          call check(error, abs(x(515) - drift(515) - 200) < 6, "a shift is not believed")
          call check(error, filter%r < 2*r, "R follows a shift")
-         if (allocated(error)) return
       end do
    end subroutine test_shift
 
    !> Frozen, R stays and the state goes on
-   subroutine test_frozen(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_frozen()
       type(component_model_type) :: model
       type(filter_type) :: filter
       real(dp) :: z(2000), x(2000), r
@@ -115,24 +101,20 @@ contains
       do processes = 1, 3
          model = some_model(processes)
          call make_data(110, model, z)
-         call make(filter, model, spread(.true., 1, processes), adaptive(), error)
-         if (allocated(error)) return
+         if (not_made(filter, model, spread(.true., 1, processes), adaptive())) return
          call run_filter(filter, z(:1000), x(:1000))
          r = filter%r
          call freeze_filter(filter, .true.)
          call run_filter(filter, z(1001:1500), x(1001:1500))
          call check(error, abs(filter%r - r) <= 0 .and. filter%steps == 1500 .and. abs(x(1500) - x(1000)) > 0, "not frozen")
-         if (allocated(error)) return
          call freeze_filter(filter, .false.)
          call run_filter(filter, z(1501:), x(1501:))
          call check(error, abs(filter%r - r) > 0, "still frozen")
-         if (allocated(error)) return
       end do
    end subroutine test_frozen
 
    !> R within its bounds, which hang on the scale
-   subroutine test_bounds(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_bounds()
       type(component_model_type) :: model
       type(filter_options) :: options
       type(filter_type) :: filter
@@ -148,24 +130,19 @@ contains
          model = some_model(processes)
          model%r = 1.0e4_dp
          call make_data(120, some_model(processes), z)
-         call make(filter, model, spread(.true., 1, processes), options, error)
-         if (allocated(error)) return
+         if (not_made(filter, model, spread(.true., 1, processes), options)) return
          call check(error, filter%r, 6.0_dp)
-         if (allocated(error)) return
          call run_filter(filter, 1000*z, x)
          call check(error, filter%r, 6.0_dp)
          call check(error, filter%clamped > 1900 .and. filter%r_at_floor == 0, "the upper bound is not counted")
-         if (allocated(error)) return
          call run_filter(filter, 0*z, x)
          call check(error, filter%r, 1.5_dp)
          call check(error, filter%r_at_floor > 0, "the lower bound is not counted")
-         if (allocated(error)) return
       end do
    end subroutine test_bounds
 
    !> R from 10^(-3) to 10^3 times the true one: within 1.05 of the filter that knows it (AR(1) 0.98 of 1e-4, white 4.2e-4)
-   subroutine test_wrong_start(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_wrong_start()
       integer, parameter :: n = 12000
       type(component_model_type) :: model, wrong
       type(filter_options) :: options
@@ -181,8 +158,7 @@ contains
       model%r = 4.2e-4_dp
       do seed = 1, 3
          call make_series(seed, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z, drift)
-         call make(filter, model, [.true.], filter_options(), error)
-         if (allocated(error)) return
+         if (not_made(filter, model, [.true.], filter_options())) return
          call run_filter(filter, z, x)
          oracle = norm2(x - drift)
          options = adaptive()
@@ -192,19 +168,16 @@ contains
          do i = -3, 3, 3
             wrong = model
             wrong%r = model%r*10.0_dp**i
-            call make(filter, wrong, [.true.], options, error)
-            if (allocated(error)) return
+            if (not_made(filter, wrong, [.true.], options)) return
             call run_filter(filter, z, x)
             call check(error, norm2(x - drift) <= 1.05_dp*oracle, "a wrong R is not forgotten")
             call check(error, filter%r, model%r, thr=0.3_dp, rel=.true.)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_wrong_start
 
    !> Automatic burn-in: until the gain is the steady one, 20 at least
-   subroutine test_burn_in(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_burn_in()
       type(component_model_type) :: model
       type(filter_options) :: never, options
       type(filter_type) :: filter, other
@@ -217,26 +190,19 @@ contains
       model%phi(1) = 1
       model%q(1) = 1.0e-3_dp
       model%r = 1
-      call make(filter, model, [.true.], options, error)
-      if (allocated(error)) return
+      if (not_made(filter, model, [.true.], options)) return
       expected = log(1.0e-6_dp)/(2*log(1 - filter%steady_gain(1)))           ! K - K_inf falls as (1 - K)^2k
       call check(error, real(filter%wait, dp), expected, thr=0.15_dp, rel=.true.)
-      if (allocated(error)) return
       model%q(1) = 10
-      call make(filter, model, [.true.], options, error)
-      if (allocated(error)) return
+      if (not_made(filter, model, [.true.], options)) return
       call check(error, filter%wait, 20)
-      if (allocated(error)) return
-      call make(filter, some_model(3), [.true., .true., .false.], options, error)
-      if (allocated(error)) return
+      if (not_made(filter, some_model(3), [.true., .true., .false.], options)) return
       model = some_model(3)
       model%r = filter%options%r_scale                                       ! the R that the bounds suggest
-      call make(other, model, [.true., .true., .false.], never, error)
-      if (allocated(error)) return
+      if (not_made(other, model, [.true., .true., .false.], never)) return
       z = 0
       call run_filter(other, z(:filter%wait - 100), x(:filter%wait - 100))
       call check(error, distance(other) > 1.0e-6_dp, "the burn-in is longer than the gain needs")
-      if (allocated(error)) return
       call run_filter(other, z(:100), x(:100))
       call check(error, distance(other) <= 1.0e-6_dp, "the burn-in ends before the gain has settled")
    end subroutine test_burn_in

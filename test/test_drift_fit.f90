@@ -1,41 +1,37 @@
 ! SPDX-License-Identifier: MIT
 !> Drift models by maximum likelihood: parameters within their errors, invariance, failures.
 module test_drift_fit
-   use expectations, only : check, check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
    use gyroakf_filter_likelihood, only : component_likelihood
    use filter_library, only : fill_noise, make_series
    implicit none (type, external)
    private
-   public :: collect_drift_fit
+   public :: suite_drift_fit
 
 contains
 
-   subroutine collect_drift_fit(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("ar1", test_ar1), &
-         new_unittest("walk", test_walk), &
-         new_unittest("both", test_both), &
-         new_unittest("errors", test_errors), &
-         new_unittest("likelihood", test_value), &
-         new_unittest("invariance", test_invariance), &
-         new_unittest("nested", test_nested), &
-         new_unittest("nothing", test_nothing), &
-         new_unittest("ridge", test_ridge), &
-         new_unittest("quantised", test_quantised), &
-         new_unittest("reversal", test_reversal), &
-         new_unittest("short-reversal", test_short_reversal), &
-         new_unittest("gaps", test_gaps), &
-         new_unittest("long", test_long), &
-         new_unittest("slow", test_slow), &
-         new_unittest("refused", test_refused)]
-   end subroutine collect_drift_fit
+   subroutine suite_drift_fit()
+      call test("ar1", test_ar1)
+      call test("walk", test_walk)
+      call test("both", test_both)
+      call test("errors", test_errors)
+      call test("likelihood", test_value)
+      call test("invariance", test_invariance)
+      call test("nested", test_nested)
+      call test("nothing", test_nothing)
+      call test("ridge", test_ridge)
+      call test("quantised", test_quantised)
+      call test("reversal", test_reversal)
+      call test("short-reversal", test_short_reversal)
+      call test("gaps", test_gaps)
+      call test("long", test_long)
+      call test("slow", test_slow)
+      call test("refused", test_refused)
+   end subroutine suite_drift_fit
 
    !> A random walk in white noise of these standard deviations.
    subroutine make_walk(seed, step, white, z)
@@ -67,16 +63,13 @@ contains
    end function number_of
 
    !> Case C1 of the comparison: the best model is AR(1), its numbers lie within four standard errors.
-   subroutine test_ar1(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_ar1()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(12000)
 
       call make_series(31, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z)
       call fit_drift(z, fit, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, trim(fit%candidate(fit%best)%name), "ar1")
       associate (best => fit%candidate(fit%best))
          call check(error, best%converged .and. best%errors_known .and. best%parameters == 4)
@@ -89,12 +82,10 @@ contains
    !> No model ends below one that it contains, but for the diffuse start of the random walk:
    !> $$ \ln (\mathbf 1^T \Sigma^{-1} \mathbf 1) - \ln 2\pi $$
    !> Small, slow drifts in much white noise and fast noise of either sign, where the likelihood has several tops.
-   subroutine test_nested(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nested()
       real(dp), parameter :: phi(4) = [0.998_dp, 0.9999_dp, -0.11_dp, 0.4_dp], part(4) = [0.03_dp, 0.02_dp, 1.0_dp, 1.0_dp]
       real(dp), parameter :: dropped = 0.06_dp              ! three variances that make no difference to ln L
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(6000), slow(6000), one(6000), value, base, start
       integer :: seed, case
 
@@ -104,8 +95,7 @@ contains
             call make_series(700 + seed, phi(case), part(case), merge(1.0_dp, 0.0_dp, case < 3), z)
             call make_walk(800 + seed, merge(1.0e-3_dp, 0.0_dp, case == 1), 0.0_dp, slow)
             call fit_drift(z + slow, fit, failed)
-            call check(error, .not. allocated(failed))
-            if (allocated(error)) return
+            if (went_wrong(failed)) return
             associate (walk => fit%candidate(1), ar => fit%candidate(2), both => fit%candidate(3))
                call component_likelihood(ar%model, one*sqrt(fit%variance), value, failed)
                call component_likelihood(ar%model, 0*one, base, failed)
@@ -118,11 +108,9 @@ contains
    end subroutine test_nested
 
    !> AR(1) noise without white noise: what the likelihood does not tell from 0 is 0, in any unit, and the others have errors.
-   subroutine test_nothing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing()
       real(dp), parameter :: units(3) = [1.0e-8_dp, 1.0_dp, 1.0e8_dp]
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(3000)
       integer :: seed, i, zeros
 
@@ -131,8 +119,7 @@ contains
          call make_series(900 + seed, 0.4_dp, 1.0_dp, 0.0_dp, z)
          do i = 1, size(units)
             call fit_drift(units(i)*z, fit, failed)
-            call check(error, .not. allocated(failed))
-            if (allocated(error)) return
+            if (went_wrong(failed)) return
             associate (ar => fit%candidate(number_of(fit, "ar1")))
                call check(error, .not. ar%model%r > 0 .or. ar%model%r > 1.0e-6_dp*units(i)**2, "a variance next to nothing")
                if (ar%model%r > 0) cycle
@@ -148,10 +135,8 @@ contains
 
    !> A slow, small drift in much white noise: the likelihood of AR(1) is a ridge, on which a search goes on to the top, where it is
    !> flat in every direction; the true model lies below it by what chi-square of three allows.
-   subroutine test_ridge(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_ridge()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       type(component_model_type) :: near
       real(dp) :: z(12000), value
       integer :: seed, k
@@ -159,8 +144,7 @@ contains
       do seed = 1, 3
          call make_series(960 + seed, 0.9994_dp, 4.0e-3_dp, 1.0_dp, z)
          call fit_drift(z, fit, failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          associate (found => fit%candidate(number_of(fit, "ar1")))
             call check(error, found%errors_known, "no errors")
             do k = -1, 1, 2                               ! along the ridge: the drift's variance stays
@@ -176,10 +160,8 @@ contains
 
    !> Rounded to steps as large as the noise less the angle that is carried on, as a counter of angle does: the noise has a negative
    !> correlation, and the model of both processes finds it beside the walk.
-   subroutine test_quantised(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_quantised()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(6000), angle
       integer :: seed, k
 
@@ -192,8 +174,7 @@ contains
             angle = angle - z(k)
          end do
          call fit_drift(z, fit, failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          call check(error, trim(fit%candidate(fit%best)%name), "walk+ar1")
          associate (best => fit%candidate(fit%best))
             call check(error, best%model%phi(1) < -0.3_dp)
@@ -203,16 +184,13 @@ contains
       end do
    end subroutine test_quantised
 
-   subroutine test_walk(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_walk()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(8000)
 
       call make_walk(32, 0.01_dp, 1.0_dp, z)
       call fit_drift(z, fit, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       associate (walk => fit%candidate(number_of(fit, "walk")))
          call check(error, walk%converged .and. walk%parameters == 2)
          call check(error, abs(walk%model%q(1) - 1.0e-4_dp) <= 4*walk%std_error%q(1))
@@ -222,17 +200,14 @@ contains
       end associate
    end subroutine test_walk
 
-   subroutine test_both(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_both()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(20000), slow(20000)
 
       call make_series(33, 0.9_dp, 0.5_dp, 1.0_dp, z)
       call make_walk(34, 0.02_dp, 0.0_dp, slow)
       call fit_drift(z + slow, fit, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, trim(fit%candidate(fit%best)%name), "walk+ar1")
       associate (best => fit%candidate(fit%best))
          call check(error, abs(best%model%phi(1) - 0.9_dp) <= 4*best%std_error%phi(1))
@@ -243,10 +218,8 @@ contains
    end subroutine test_both
 
    !> Twenty records: the squared deviations in units of the stated errors are chi-square of 20 degrees, within four deviations.
-   subroutine test_errors(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_errors()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(1500), total(3)
       integer :: seed, k
 
@@ -254,8 +227,7 @@ contains
       do seed = 1, 20
          call make_series(400 + seed, 0.9_dp, 1.0_dp, 1.0_dp, z)
          call fit_drift(z, fit, failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          associate (found => fit%candidate(number_of(fit, "ar1")))
             total = total + ([found%model%phi(1) - 0.9_dp, found%model%q(1) - 0.19_dp, found%model%r - 1.0_dp]/ &
                              [found%std_error%phi(1), found%std_error%q(1), found%std_error%r])**2
@@ -267,10 +239,8 @@ contains
    end subroutine test_errors
 
    !> The stated likelihood is that of the stated model, and beyond that of the true one.
-   subroutine test_value(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_value()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       type(component_model_type) :: truth
       real(dp) :: z(4000), value
 
@@ -289,18 +259,15 @@ contains
    end subroutine test_value
 
    !> Scale and offset.
-   subroutine test_invariance(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_invariance()
       type(drift_fit_type) :: fit, other
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(3000)
       integer :: k
 
       call make_series(36, 0.9_dp, 1.0_dp, 1.0_dp, z)
       call fit_drift(z, fit, failed)
       call fit_drift(1.0e-3_dp*z + 1.0e3_dp, other, failed)
-      call check(error, size(fit%candidate) == size(other%candidate))
-      if (allocated(error)) return
+      if (unmet(size(fit%candidate) == size(other%candidate))) return
       call check(error, other%best, fit%best, "another model in another unit")
       call check(error, other%candidate(2)%aic - other%candidate(1)%aic, fit%candidate(2)%aic - fit%candidate(1)%aic, &
          & thr=1.0e-4_dp)
@@ -313,11 +280,9 @@ contains
 
    !> Backwards in time the likelihood is the same, all its sums are formed in another order: where the search ends and what
    !> it says of the errors does not depend on rounding.
-   subroutine test_reversal(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reversal()
       real(dp), parameter :: rounding = 1.0e-11_dp
       type(drift_fit_type) :: fit, other
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(6000), slow(6000), back(6000)
       integer :: k
 
@@ -327,8 +292,7 @@ contains
       call fit_drift(z, fit, failed)
       back = z(size(z):1:-1)
       call fit_drift(back, other, failed)
-      call check(error, size(fit%candidate) == 3 .and. size(other%candidate) == 3 .and. fit%best == other%best)
-      if (allocated(error)) return
+      if (unmet(size(fit%candidate) == 3 .and. size(other%candidate) == 3 .and. fit%best == other%best)) return
       do k = 1, 3
          associate (one => fit%candidate(k), two => other%candidate(k))
             call check(error, one%errors_known .and. two%errors_known, trim(one%name)//": no errors")
@@ -339,12 +303,10 @@ contains
    end subroutine test_reversal
 
    !> The likelihood of few samples is no parabola, and what the search leaves is more than rounding: its last steps are Newton's.
-   subroutine test_short_reversal(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_short_reversal()
       real(dp), parameter :: rounding = 1.0e-12_dp
       integer, parameter :: records = 10, samples(2) = [100, 300]
       type(drift_fit_type) :: fit, other
-      type(gyro_error), allocatable :: failed
       real(dp), allocatable :: z(:), slow(:), back(:)
       integer :: i, j, k
 
@@ -380,10 +342,8 @@ contains
    end function distance
 
    !> A tenth of the samples is missing, with nonsense in their place.
-   subroutine test_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(12000), u(12000)
       integer(int8) :: here(12000)
 
@@ -395,8 +355,7 @@ contains
          z = 0.0_dp
       end where
       call fit_drift(z, fit, failed, here)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       associate (found => fit%candidate(number_of(fit, "ar1")))
          call check(error, abs(found%model%phi(1) - 0.95_dp) <= 4*found%std_error%phi(1))
          call check(error, abs(found%model%r - 1.0_dp) <= 4*found%std_error%r)
@@ -404,10 +363,8 @@ contains
    end subroutine test_gaps
 
    !> Of a long record the middle.
-   subroutine test_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(3002)
 
       call make_series(39, 0.9_dp, 1.0_dp, 1.0_dp, z)
@@ -419,8 +376,7 @@ contains
       end associate
    end subroutine test_long
 
-   subroutine test_slow(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_slow()
       type(component_model_type) :: model
       logical, allocatable :: slow(:)
 
@@ -432,18 +388,16 @@ contains
       call check(error, all(slow .eqv. [.true., .true., .false.]))
    end subroutine test_slow
 
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       type(drift_fit_type) :: fit
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(60)
 
       call fill_noise(40, z)
       call fit_drift(z(:49), fit, failed)
-      call check_refused(error, failed, status%too_few_samples)
+      call check_refused(failed, status%too_few_samples)
       z = 3.0_dp
       call fit_drift(z, fit, failed)
-      call check_refused(error, failed, status%constant_input)
+      call check_refused(failed, status%constant_input)
    end subroutine test_refused
 
 end module test_drift_fit

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> The drift of a record: what is found, what is not, and how well.
 module test_drift_identification
-   use expectations, only : check, check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
@@ -12,7 +11,7 @@ module test_drift_identification
    use filter_library, only : fill_noise, make_series, paper_phi
    implicit none (type, external)
    private
-   public :: collect_drift_identification
+   public :: suite_drift_identification
 
    !> Has enough after so many calls
    type, extends(progress_type) :: patience_type
@@ -25,23 +24,20 @@ module test_drift_identification
 
 contains
 
-   subroutine collect_drift_identification(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("ar1", test_ar1), &
-         new_unittest("within-errors", test_within_errors), &
-         new_unittest("walk-errors", test_walk_errors), &
-         new_unittest("white", test_white), &
-         new_unittest("fast-noise", test_fast_noise), &
-         new_unittest("limit", test_limit), &
-         new_unittest("gaps", test_gaps), &
-         new_unittest("invariance", test_invariance), &
-         new_unittest("beyond-part", test_beyond_part), &
-         new_unittest("means", test_means), &
-         new_unittest("cancelled", test_cancelled), &
-         new_unittest("refused", test_refused)]
-   end subroutine collect_drift_identification
+   subroutine suite_drift_identification()
+      call test("ar1", test_ar1)
+      call test("within-errors", test_within_errors)
+      call test("walk-errors", test_walk_errors)
+      call test("white", test_white)
+      call test("fast-noise", test_fast_noise)
+      call test("limit", test_limit)
+      call test("gaps", test_gaps)
+      call test("invariance", test_invariance)
+      call test("beyond-part", test_beyond_part)
+      call test("means", test_means)
+      call test("cancelled", test_cancelled)
+      call test("refused", test_refused)
+   end subroutine suite_drift_identification
 
    !> A random walk is added to a series.
    subroutine add_walk(seed, step, z)
@@ -62,19 +58,15 @@ contains
    end subroutine add_walk
 
    !> Case C1 of the comparison.
-   subroutine test_ar1(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_ar1()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(12000)
 
       call make_series(31, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z)
       call identify_drift_model(z, drift_identification_options(), found, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, found%found .and. found%slow(1) .and. found%name == "ar1" .and. found%errors_known)
-      call check(error, found%block == 1 .and. size(found%candidate) == 3)
-      if (allocated(error)) return
+      if (unmet(found%block == 1 .and. size(found%candidate) == 3)) return
       call check(error, found%correlation_samples, -1/log(found%model%phi(1)), thr=1.0e-12_dp, rel=.true.)
       call check(error, found%white_std**2, 4.2e-4_dp, thr=4*found%std_error%r)
       call check(error, found%drift_std**2, found%model%q(1)/(1 - found%model%phi(1)**2), thr=1.0e-12_dp, rel=.true.)
@@ -82,11 +74,9 @@ contains
    end subroutine test_ar1
 
    !> Walk, AR(1), both: every number within four of its errors, for three seeds each.
-   subroutine test_within_errors(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_within_errors()
       type(drift_identification_type) :: found
       type(component_model_type) :: truth
-      type(gyro_error), allocatable :: failed
       character(8), parameter :: names(3) = [character(8) :: "walk", "ar1", "walk+ar1"]
       real(dp) :: z(8000)
       integer :: kind, seed, n
@@ -97,8 +87,7 @@ contains
             call make_series(100*kind + seed, 0.9_dp, merge(0.0_dp, 0.6_dp, kind == 1), 1.0_dp, z)
             if (kind /= 2) call add_walk(100*kind + seed, 0.03_dp, z)
             call identify_drift_model(z, drift_identification_options(), found, failed)
-            call check(error, .not. allocated(failed) .and. found%found .and. found%errors_known)
-            if (allocated(error)) return
+            if (unmet(.not. allocated(failed) .and. found%found .and. found%errors_known)) return
             n = found%model%count
             associate (fit => found%candidate(kind))
                call check(error, fit%name, names(kind))
@@ -118,10 +107,8 @@ contains
    end subroutine test_within_errors
 
    !> Twenty random walks: squared deviations over squared errors are chi-square of 20 degrees, within four deviations, in ln q.
-   subroutine test_walk_errors(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_walk_errors()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(1500), total(2)
       integer :: seed
 
@@ -130,8 +117,7 @@ contains
          call fill_noise(500 + seed, z)
          call add_walk(500 + seed, 0.1_dp, z)
          call identify_drift_model(z, drift_identification_options(), found, failed)
-         call check(error, .not. allocated(failed) .and. found%found .and. found%slow(found%model%count))
-         if (allocated(error)) return
+         if (unmet(.not. allocated(failed) .and. found%found .and. found%slow(found%model%count))) return
          associate (fit => found%candidate(1))
             total(1) = total(1) + (log(fit%model%q(1)/0.01_dp)*fit%model%q(1)/fit%std_error%q(1))**2
             total(2) = total(2) + ((fit%model%r - 1)/fit%std_error%r)**2
@@ -141,18 +127,15 @@ contains
    end subroutine test_walk_errors
 
    !> Thirty records of white noise: nothing is found (one alarm in three hundred is usual).
-   subroutine test_white(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_white()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(1000)
       integer :: seed
 
       do seed = 1, 30
          call fill_noise(3000 + seed, z)
          call identify_drift_model(z, drift_identification_options(), found, failed)
-         call check(error, .not. (allocated(failed) .or. found%found .or. any(found%slow)))
-         if (allocated(error)) return
+         if (unmet(.not. (allocated(failed) .or. found%found .or. any(found%slow)))) return
          call check(error, found%drift_std <= 0.0_dp .and. abs(found%white_std - 1) < 0.3_dp)
          if (found%chosen == 0) call check(error, found%errors_known .and. abs(found%model%r - 1) < 5*found%std_error%r .and. &
                                            found%std_error%r < 2*sqrt(2.0_dp/size(z)), "the error of white noise alone")
@@ -161,34 +144,28 @@ contains
    end subroutine test_white
 
    !> The paper's noise is fast: no drift. With a cubic in it (C0 of the comparison) the walk follows that, the noise stays noise.
-   subroutine test_fast_noise(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_fast_noise()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(12000), t
       integer :: i
 
       call make_series(61, paper_phi, 5.2e-4_dp, 0.0_dp, z)
       call identify_drift_model(z, drift_identification_options(), found, failed)
-      call check(error, .not. allocated(failed) .and. .not. found%found)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. .not. found%found)) return
       do i = 1, size(z)
          t = (i - 6000)/6000.0_dp
          z(i) = z(i) + 0.02_dp*(t**3 - 0.5_dp*t)
       end do
       call identify_drift_model(z, drift_identification_options(), found, failed)
-      call check(error, .not. allocated(failed) .and. found%found)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. found%found)) return
       call check(error, found%name, "walk+ar1")
       call check(error, found%slow(2) .and. .not. found%slow(1))
       call check(error, found%model%phi(1), paper_phi, thr=0.1_dp)
    end subroutine test_fast_noise
 
    !> A process of 5.6 samples is drift for a limit of 5, none for one of 8; a walk is at any.
-   subroutine test_limit(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_limit()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(20000)
 
       call make_series(71, exp(-1/5.6_dp), 2.0_dp, 1.0_dp, z)
@@ -204,10 +181,8 @@ contains
    end subroutine test_limit
 
    !> A tenth of the samples is missing.
-   subroutine test_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(8000), u(8000)
       integer(int8) :: here(8000)
 
@@ -219,8 +194,7 @@ contains
          z = 1.0e9_dp
       end where
       call identify_drift_model(z, drift_identification_options(), found, failed, here)
-      call check(error, .not. allocated(failed) .and. found%found)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. found%found)) return
       associate (fit => found%candidate(2))
          call check(error, abs(fit%model%phi(1) - 0.95_dp) <= 4*fit%std_error%phi(1))
          call check(error, abs(fit%model%r - 1) <= 4*fit%std_error%r)
@@ -228,10 +202,8 @@ contains
    end subroutine test_gaps
 
    !> Scale and offset.
-   subroutine test_invariance(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_invariance()
       type(drift_identification_type) :: found, other
-      type(gyro_error), allocatable :: failed
       real(dp), parameter :: scale = 3.0e-5_dp
       real(dp) :: z(4000)
 
@@ -247,10 +219,8 @@ contains
    end subroutine test_invariance
 
    !> A drift of 4,000 samples' correlation in white noise that a part of 2,000 cannot tell from a constant, beside one of 10.
-   subroutine test_beyond_part(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_beyond_part()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp), allocatable :: z(:), slow(:)
 
       allocate (z(150000), slow(150000))
@@ -258,8 +228,7 @@ contains
       call make_series(82, exp(-1/4000.0_dp), 0.05_dp, 0.0_dp, slow)
       z = z + slow
       call identify_drift_model(z, drift_identification_options(most=2000_int64), found, failed)
-      call check(error, .not. allocated(failed) .and. found%found .and. found%samples == 2000_int64)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. found%found .and. found%samples == 2000_int64)) return
       call check(error, found%block == 16_int64 .and. all(found%slow(:found%model%count)))
       associate (model => found%model, last => found%model%count)
          call check(error, abs(model%q(last) - 0.05_dp*(1 - exp(-0.5e-3_dp))) <= 4*found%std_error%q(last))
@@ -269,8 +238,7 @@ contains
    end subroutine test_beyond_part
 
    !> Covariances of means, summed over the samples of two blocks, are those of the model of the means; and back.
-   subroutine test_means(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_means()
       type(component_model_type) :: model, means
       integer(int64), parameter :: m = 16
       real(dp) :: sums(0:2), phi, q
@@ -306,39 +274,35 @@ contains
    end subroutine test_means
 
    !> Whoever has enough is heard at the next evaluation.
-   subroutine test_cancelled(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_cancelled()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       type(patience_type) :: patience
       real(dp) :: z(2000)
 
       call make_series(95, 0.9_dp, 1.0_dp, 1.0_dp, z)
       patience%enough = 30
       call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
-      call check_refused(error, failed, status%cancelled)
+      call check_refused(failed, status%cancelled)
       call check(error, patience%calls, 30)
       patience = patience_type(enough=1000000)
       call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
       call check(error, .not. (allocated(failed) .or. patience%fell))
    end subroutine test_cancelled
 
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       type(drift_identification_type) :: found
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(60)
 
       call fill_noise(5, z)
       call identify_drift_model(z(:40), drift_identification_options(), found, failed)
-      call check_refused(error, failed, status%too_few_samples)
+      call check_refused(failed, status%too_few_samples)
       call identify_drift_model(z, drift_identification_options(drift_samples=0.0_dp), found, failed)
-      call check_refused(error, failed, status%invalid_argument)
+      call check_refused(failed, status%invalid_argument)
       call identify_drift_model(z, drift_identification_options(most=49_int64), found, failed)
-      call check_refused(error, failed, status%invalid_argument)
+      call check_refused(failed, status%invalid_argument)
       z = 3.0_dp
       call identify_drift_model(z, drift_identification_options(), found, failed)
-      call check_refused(error, failed, status%constant_input)
+      call check_refused(failed, status%constant_input)
    end subroutine test_refused
 
    !> Counts, and ends it.

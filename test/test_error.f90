@@ -1,29 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the error type: the numbers of the codes are part of the C interface.
 module test_error
-   use gyroakf_error, only : gyro_error => error_type, exit_code, fatal_error, status, status_text
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use gyroakf_error, only : exit_code, fatal_error, status, status_text
+   use expectations, only : problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_error
+   public :: suite_error
 
 contains
 
-   subroutine collect_error(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("codes", test_codes), &
-         & new_unittest("texts", test_texts), &
-         & new_unittest("exit_codes", test_exit_codes), &
-         & new_unittest("fatal", test_fatal)]
-   end subroutine collect_error
+   subroutine suite_error()
+      call test("codes", test_codes)
+      call test("texts", test_texts)
+      call test("exit_codes", test_exit_codes)
+      call test("fatal", test_fatal)
+   end subroutine suite_error
 
    !> The codes never change.
-   subroutine test_codes(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_codes()
       integer :: codes(0:14), i
 
       codes = [status%ok, status%invalid_argument, status%too_few_samples, status%io, status%parse, &
@@ -36,9 +30,7 @@ contains
    end subroutine test_codes
 
    !> Every code has a text of its own, any other number has none.
-   subroutine test_texts(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_texts()
       integer :: i, j
 
       call check(error, status_text(status%ok), "ok")
@@ -53,9 +45,7 @@ contains
    end subroutine test_texts
 
    !> 0 done, 1 usage, 2 data or file, 3 numerical.
-   subroutine test_exit_codes(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_exit_codes()
       integer, parameter :: expected(0:14) = [0, 2, 2, 2, 2, 2, 3, 3, 3, 2, 2, 2, 2, 3, 1]
       integer :: i
 
@@ -65,18 +55,11 @@ contains
    end subroutine test_exit_codes
 
    !> The error holds what it was given, also when it replaces another one.
-   subroutine test_fatal(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      type(gyro_error), allocatable :: problem
-
-      call check(error, .not. allocated(problem), "an error from nowhere")
-      if (allocated(error)) return
+   subroutine test_fatal()
+      if (went_wrong(problem, "an error from nowhere")) return
       call fatal_error(problem, status%parse, "line 3: not a number")
       call fatal_error(problem, status%io, "cannot open")
-      call check(error, allocated(problem), "no error")
-      if (allocated(error)) return
-      call check(error, problem%code, status%io)
+      call check_refused(problem, status%io)
       call check(error, problem%message, "cannot open")
    end subroutine test_fatal
 

@@ -1,15 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Fourier transforms against the direct sum, and their invariants.
 module test_fft
-   use expectations, only : check
-   use testdrive, only : error_type, unittest_type, new_unittest, test_failed
+   use expectations, only : failure => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &
       & real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, convolve
    implicit none (type, external)
    private
-   public :: collect_fft
+   public :: suite_fft
 
    !> Allowed error relative to the root mean square of the result, per log2(n) (at least 1): DESIGN's 1e-14 log n
    real(dp), parameter :: per_log = 1.0e-14_dp
@@ -20,45 +19,37 @@ module test_fft
 
 contains
 
-   subroutine collect_fft(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      allocate (testsuite(9))
-      testsuite(1) = new_unittest("direct-sum", test_direct_sum)
-      testsuite(2) = new_unittest("round-trip", test_round_trip)
-      testsuite(3) = new_unittest("single-line", test_single_line)
-      testsuite(4) = new_unittest("parseval-long", test_parseval)
-      testsuite(5) = new_unittest("real-forward", test_real_forward)
-      testsuite(6) = new_unittest("real-backward", test_real_backward)
-      testsuite(7) = new_unittest("smooth-length", test_smooth_length)
-      testsuite(8) = new_unittest("convolution", test_convolution)
-      testsuite(9) = new_unittest("failures", test_failures)
-   end subroutine collect_fft
+   subroutine suite_fft()
+      call test("direct-sum", test_direct_sum)
+      call test("round-trip", test_round_trip)
+      call test("single-line", test_single_line)
+      call test("parseval-long", test_parseval)
+      call test("real-forward", test_real_forward)
+      call test("real-backward", test_real_backward)
+      call test("smooth-length", test_smooth_length)
+      call test("convolution", test_convolution)
+      call test("failures", test_failures)
+   end subroutine suite_fft
 
    !> Every length against the sum of its definition, with roots of unity of exactly reduced index.
-   subroutine test_direct_sum(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_direct_sum()
       complex(dp), allocatable :: x(:), expected(:)
       type(fft_plan_type) :: plan
-      type(gyro_error), allocatable :: failure
       integer :: i
 
       do i = 1, size(lengths)
          call sample(lengths(i), x)
          call direct_sum(x, expected)
          call new_fft_plan(plan, lengths(i), failure)
-         call check(error, .not. allocated(failure))
-         if (allocated(error)) return
+         if (went_wrong(failure)) return
          call fft_forward(plan, x, failure)
          call check(error, distance(x, expected) <= allowed(lengths(i)), "length "//decimal(lengths(i)))
       end do
    end subroutine test_direct_sum
 
-   subroutine test_round_trip(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_round_trip()
       complex(dp), allocatable :: x(:), again(:)
       type(fft_plan_type) :: plan
-      type(gyro_error), allocatable :: failure
       integer :: i
 
       do i = 1, size(lengths)
@@ -67,18 +58,15 @@ contains
          call new_fft_plan(plan, lengths(i), failure)
          call fft_forward(plan, again, failure)
          call fft_backward(plan, again, failure)
-         call check(error, .not. allocated(failure))
-         if (allocated(error)) return
+         if (went_wrong(failure)) return
          call check(error, distance(again, x) <= 2*allowed(lengths(i)), "length "//decimal(lengths(i)))
       end do
    end subroutine test_round_trip
 
    !> exp(2 pi i 5 j/n) has one line, of height n, at index 5.
-   subroutine test_single_line(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_single_line()
       complex(dp) :: x(0:96), expected(0:96)
       type(fft_plan_type) :: plan
-      type(gyro_error), allocatable :: failure
       integer :: j
 
       do j = 0, 96
@@ -92,12 +80,10 @@ contains
    end subroutine test_single_line
 
    !> A long prime and a long smooth length: the energy is kept, and the round trip is exact.
-   subroutine test_parseval(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_parseval()
       integer(int64), parameter :: long(2) = [integer(int64) :: 65537, 120000]
       complex(dp), allocatable :: x(:), again(:)
       type(fft_plan_type) :: plan
-      type(gyro_error), allocatable :: failure
       integer :: i
 
       do i = 1, 2
@@ -111,11 +97,9 @@ contains
       end do
    end subroutine test_parseval
 
-   subroutine test_real_forward(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_real_forward()
       complex(dp), allocatable :: x(:), expected(:), spectrum(:)
       type(real_fft_plan_type) :: plan
-      type(gyro_error), allocatable :: failure
       integer :: i
       integer(int64) :: half
 
@@ -127,19 +111,16 @@ contains
          call new_real_fft_plan(plan, lengths(i), failure)
          allocate (spectrum(half + 1))
          call real_fft_forward(plan, real(x, dp), spectrum, failure)
-         call check(error, .not. allocated(failure))
-         if (allocated(error)) return
+         if (went_wrong(failure)) return
          call check(error, distance(spectrum, expected(:half + 1)) <= allowed(lengths(i)), "length "//decimal(lengths(i)))
          deallocate (spectrum)
       end do
    end subroutine test_real_forward
 
-   subroutine test_real_backward(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_real_backward()
       complex(dp), allocatable :: x(:), spectrum(:)
       real(dp), allocatable :: again(:)
       type(real_fft_plan_type) :: plan
-      type(gyro_error), allocatable :: failure
       integer :: i
       integer(int64) :: n
 
@@ -151,16 +132,14 @@ contains
          allocate (spectrum(n/2 + 1), again(n))
          call real_fft_forward(plan, real(x, dp), spectrum, failure)
          call real_fft_backward(plan, spectrum, again, failure)
-         call check(error, .not. allocated(failure))
-         if (allocated(error)) return
+         if (went_wrong(failure)) return
          call check(error, distance(cmplx(again, kind=dp), x) <= 2*allowed(lengths(i)), "length "//decimal(lengths(i)))
          deallocate (spectrum, again)
       end do
    end subroutine test_real_backward
 
    !> Against trial division of every number from n upwards.
-   subroutine test_smooth_length(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_smooth_length()
       integer(int64) :: n, candidate, rest
       integer :: i
       integer, parameter :: primes(3) = [2, 3, 5]
@@ -182,12 +161,10 @@ contains
    end subroutine test_smooth_length
 
    !> Whole and cut convolutions against the double loop.
-   subroutine test_convolution(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_convolution()
       integer, parameter :: na(5) = [1, 1, 7, 100, 3], nb(5) = [1, 9, 5, 64, 500], nc(5) = [1, 9, 11, 100, 502]
       complex(dp), allocatable :: a(:), b(:)
       real(dp), allocatable :: c(:), expected(:)
-      type(gyro_error), allocatable :: failure
       integer :: i, j, k
 
       do i = 1, size(na)
@@ -198,18 +175,15 @@ contains
             expected(k) = sum([(real(a(j), dp)*real(b(k - j + 1), dp), j=max(1, k + 1 - nb(i)), min(k, na(i)))])
          end do
          call convolve(real(a, dp), real(b, dp), c, failure)
-         call check(error, .not. allocated(failure))
-         if (allocated(error)) return
+         if (went_wrong(failure)) return
          call check(error, maxval(abs(c - expected)) <= 1.0e-14_dp*max(1.0_dp, sqrt(energy(a)*energy(b))))
          deallocate (c, expected)
       end do
    end subroutine test_convolution
 
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(fft_plan_type) :: plan
       type(real_fft_plan_type) :: real_plan
-      type(gyro_error), allocatable :: failure
       complex(dp) :: x(3), spectrum(3)
       real(dp) :: series(4), c(8)
 
@@ -217,30 +191,29 @@ contains
       spectrum = 0
       series = 0
       call new_fft_plan(plan, 0_int64, failure)
-      call expect_invalid(error, failure, "length 0")
+      call expect_invalid(failure, "length 0")
       call new_fft_plan(plan, huge(1_int64), failure)
-      call expect_invalid(error, failure, "length huge")
+      call expect_invalid(failure, "length huge")
       call new_real_fft_plan(real_plan, -1_int64, failure)
-      call expect_invalid(error, failure, "real length -1")
+      call expect_invalid(failure, "real length -1")
       call new_fft_plan(plan, 4_int64, failure)
       call fft_forward(plan, x, failure)
-      call expect_invalid(error, failure, "series of another length")
+      call expect_invalid(failure, "series of another length")
       call fft_backward(plan, x, failure)
-      call expect_invalid(error, failure, "spectrum of another length")
+      call expect_invalid(failure, "spectrum of another length")
       call new_real_fft_plan(real_plan, 4_int64, failure)
       call real_fft_forward(real_plan, series(:3), spectrum, failure)
-      call expect_invalid(error, failure, "real series of another length")
+      call expect_invalid(failure, "real series of another length")
       call real_fft_backward(real_plan, spectrum(:2), series, failure)
-      call expect_invalid(error, failure, "half spectrum of another length")
+      call expect_invalid(failure, "half spectrum of another length")
       call convolve(series, series(:0), c(:3), failure)
-      call expect_invalid(error, failure, "empty series")
+      call expect_invalid(failure, "empty series")
       call convolve(series, series, c, failure)
-      call expect_invalid(error, failure, "more values than the convolution has")
+      call expect_invalid(failure, "more values than the convolution has")
    end subroutine test_failures
 
    !> Fails unless the call failed with invalid_argument; keeps an earlier failure.
-   subroutine expect_invalid(error, failure, what)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect_invalid(failure, what)
       type(gyro_error), allocatable, intent(in) :: failure
       character(*), intent(in) :: what
 
@@ -248,7 +221,7 @@ contains
       if (allocated(failure)) then
          call check(error, failure%code, status%invalid_argument, what)
       else
-         call test_failed(error, "no error for "//what)
+         call check(error, .false., "no error for "//what)
       end if
    end subroutine expect_invalid
 
@@ -313,5 +286,4 @@ contains
 
       write (text, "(i0)") n
    end function decimal
-
 end module test_fft

@@ -2,10 +2,8 @@
 !> Figures and result files of a run: axes, ticks, pixels, what each figure holds; no file of an earlier run is left.
 module test_figures
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_positive_inf, ieee_quiet_nan, ieee_value
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failed => problem, test, error, check
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_pipeline_result, only : stage
    use gyroakf_io_writer, only : make_directory, writer_type
@@ -22,26 +20,23 @@ module test_figures
    use scratch_file, only : file_exists, read_bytes, remove_file, remove_folder, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: collect_figures
+   public :: suite_figures
 
 contains
 
    !> Names the tests.
-   subroutine collect_figures(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("axis", test_axis), &
-         new_unittest("ticks", test_ticks), &
-         new_unittest("svg", test_svg), &
-         new_unittest("slopes", test_slopes), &
-         new_unittest("run", test_run), &
-         new_unittest("long", test_long), &
-         new_unittest("channels", test_channels), &
-         new_unittest("what-there-is", test_some), &
-         new_unittest("no-folder", test_no_folder), &
-         new_unittest("result-files", test_results)]
-   end subroutine collect_figures
+   subroutine suite_figures()
+      call test("axis", test_axis)
+      call test("ticks", test_ticks)
+      call test("svg", test_svg)
+      call test("slopes", test_slopes)
+      call test("run", test_run)
+      call test("long", test_long)
+      call test("channels", test_channels)
+      call test("what-there-is", test_some)
+      call test("no-folder", test_no_folder)
+      call test("result-files", test_results)
+   end subroutine suite_figures
 
    !> A run over channels of white noise and a random walk, with lost samples and three outliers; everything is kept.
    subroutine make_run(names, record, options, result)
@@ -51,7 +46,6 @@ contains
       type(pipeline_result_type), intent(out) :: result
       type(simulate_options) :: noise
       type(record_type) :: one
-      type(gyro_error), allocatable :: failed
       integer :: c
 
       noise%samples = 1500
@@ -118,8 +112,7 @@ contains
    end function occurrences
 
    !> Values to pixels, forward and beyond the ends; what cannot be shown; a range without extent.
-   subroutine test_axis(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_axis()
       type(axis_type) :: axis
 
       axis%from = 100.0_dp
@@ -143,8 +136,7 @@ contains
    end subroutine test_axis
 
    !> Values and labels of ticks.
-   subroutine test_ticks(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_ticks()
       type(axis_type) :: axis
 
       axis = axis_type(.false., -0.25_dp, 0.25_dp, 0.0_dp, 300.0_dp)
@@ -181,8 +173,7 @@ contains
    end subroutine test_ticks
 
    !> Points at their pixels, lines broken and points left out where a value cannot be shown, names that stay texts.
-   subroutine test_svg(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_svg()
       type(figure_type) :: figure
       type(writer_type) :: writer
       character(:), allocatable :: text
@@ -216,8 +207,7 @@ contains
    end subroutine test_svg
 
    !> The slopes stand in a corner without points, as steep as in the figure; a second axis; nothing in a full frame.
-   subroutine test_slopes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_slopes()
       type(figure_type) :: figure
       type(writer_type) :: writer
       character(:), allocatable :: text
@@ -246,8 +236,7 @@ contains
    end subroutine test_slopes
 
    !> Figures of a run: the model, every averaging time, the terms with their numbers, filters, outliers, drift.
-   subroutine test_run(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_run()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
@@ -255,8 +244,7 @@ contains
 
       call make_run(["gx"], record, options, result)
       call take_figures(record, result, "allan series filters", text)
-      call check(error, size(text), 3, "the figures of one channel and no others")
-      if (allocated(error)) return
+      if (unmet(size(text), 3, "the figures of one channel and no others")) return
       associate (c => result%channel(1))
          call check(error, occurrences(text(1)%text, " data-i=") == size(c%allan(stage%input)%curve%tau) + 3, &
                     "a point for every averaging time, two in the legend, the minimum")
@@ -271,7 +259,6 @@ contains
          call expect(3, ">cleaned</text>")
          call expect(3, ">KF</text>")
          call expect(3, ">AKF</text>")
-         if (allocated(error)) return
          c%allan%noise%described = .false.
          c%drift_doubt = "the innovations are not white"
          call take_figures(record, result, "allan series filters", text)
@@ -294,8 +281,7 @@ contains
    end subroutine test_run
 
    !> A long series keeps its peaks and has a bounded number of points.
-   subroutine test_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(named_figure_type), allocatable :: figures(:)
@@ -311,8 +297,7 @@ contains
       result%channel(1)%name = "gx"
       call build_figures(record, result, figures)
       associate (series => figures(1)%figure%series(1))
-         call check(error, size(series%y) <= 2*max_blocks .and. count(.not. ieee_is_finite(series%y)) >= 1, "points")
-         if (allocated(error)) return
+         if (unmet(size(series%y) <= 2*max_blocks .and. count(.not. ieee_is_finite(series%y)) >= 1, "points")) return
          call check(error, any(abs(series%x - 77776.0_dp) < 0.5_dp), "the peak's place")
          call check(error, maxval(series%y, mask=ieee_is_finite(series%y)), 8.0_dp, more="the peak")
          call check(error, minval(series%y, mask=ieee_is_finite(series%y)), 0.5_dp, more="a missing sample")
@@ -320,21 +305,18 @@ contains
    end subroutine test_long
 
    !> Several channels: names that every file system takes and tells apart, all of them in the overlay of their unit.
-   subroutine test_channels(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_channels()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
       type(text_type), allocatable :: text(:)
-      type(gyro_error), allocatable :: failed
       integer :: i
 
       call make_run(["Gx  ", "gX  ", "it's"], record, options, result)
       result%channel(3)%name = "it's/c"
       call take_figures(record, result, "overlay-gx-1 allan-gx-1 series-gx-1 filters-gx-1 allan-gx-2 series-gx-2 filters-gx-2 "// &
                         "allan-it_s_c series-it_s_c filters-it_s_c", text)
-      call check(error, size(text), 10, "the figures and no others")
-      if (allocated(error)) return
+      if (unmet(size(text), 10, "the figures and no others")) return
       do i = 1, size(text)
          call check(error, index(text(i)%text, "</svg>") > 0)
       end do
@@ -349,8 +331,7 @@ contains
    end subroutine test_channels
 
    !> No figure of what was not kept or not computed.
-   subroutine test_some(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_some()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
@@ -362,18 +343,15 @@ contains
          deallocate (c%series_kf, c%series_akf)
       end associate
       call take_figures(record, result, "series", text)
-      call check(error, size(text), 1, "the record alone")
-      if (allocated(error)) return
+      if (unmet(size(text), 1, "the record alone")) return
       call check(error, index(text(1)%text, ">record</text>") > 0)
    end subroutine test_some
 
    !> A folder that cannot be made is an error.
-   subroutine test_no_folder(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_no_folder()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: folder
       integer :: unit
 
@@ -387,12 +365,10 @@ contains
    end subroutine test_no_folder
 
    !> All files of a run; a later one that writes fewer leaves none of before; nothing appears where one cannot be written.
-   subroutine test_results(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_results()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: folder
       character(20), parameter :: figures(4) = [character(20) :: "figures/allan.svg", "figures/series.svg", &
                                                 "figures/filters.svg", "figures/allan-old.svg"]
@@ -401,7 +377,6 @@ contains
       call make_run(["gx"], record, options, result)
       folder = scratch_path("results")
       call check(error, foreign_result(folder) == "", "files of a folder that is not there")
-      if (allocated(error)) return
       call make_directory(folder//"/figures/filters.svg", failed)
       call write_results(folder, "run", record, options, result, failed)
       call check(error, allocated(failed), "a folder in the place of the last figure")

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Filters put away and taken up again.
 module test_filter_saving
-   use expectations, only : check, check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, freeze_filter, new_filter, run_filter
@@ -14,23 +13,20 @@ module test_filter_saving
    use filter_library, only : fill_noise
    implicit none (type, external)
    private
-   public :: collect_filter_saving
+   public :: suite_filter_saving
 
    !> Kinds of filters: make_kind
    integer, parameter :: kinds = 7
 
 contains
 
-   subroutine collect_filter_saving(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("continues", test_continues), &
-         new_unittest("reset", test_reset), &
-         new_unittest("short-record", test_short_record), &
-         new_unittest("damaged", test_damaged), &
-         new_unittest("refused", test_refused)]
-   end subroutine collect_filter_saving
+   subroutine suite_filter_saving()
+      call test("continues", test_continues)
+      call test("reset", test_reset)
+      call test("short-record", test_short_record)
+      call test("damaged", test_damaged)
+      call test("refused", test_refused)
+   end subroutine suite_filter_saving
 
    !> Fixed and adaptive AR(p) filters, drift filters of one to three processes.
    subroutine make_kind(kind, filter)
@@ -38,7 +34,6 @@ contains
       type(filter_type), intent(out) :: filter
       type(filter_options) :: options
       type(component_model_type) :: model
-      type(gyro_error), allocatable :: failed
 
       if (kind > 1) options%estimate_measurement_variance = .true.
       if (kind > 1) options%huber = 2.5_dp
@@ -62,10 +57,8 @@ contains
    end subroutine make_kind
 
    !> Saved after so many samples, before the first one too: the rest is the same to the last bit.
-   subroutine test_continues(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_continues()
       type(filter_type) :: filter, other
-      type(gyro_error), allocatable :: failed
       integer, parameter :: moments(5) = [0, 1, 17, 300, 2500]
       integer(int64), allocatable :: word(:), again(:)
       real(dp) :: z(3000), x(3000), y(3000)
@@ -80,11 +73,9 @@ contains
             call run_filter(filter, z(:m), x(:m))
             call freeze_filter(filter, m == 300)
             call save_filter(filter, word, failed)
-            call check(error, .not. allocated(failed))
-            if (allocated(error)) return
+            if (went_wrong(failed)) return
             call restore_filter(word, other, failed)
-            call check(error, .not. allocated(failed))
-            if (allocated(error)) return
+            if (went_wrong(failed)) return
             call run_filter(filter, z(m + 1:), x(m + 1:))
             call run_filter(other, z(m + 1:), y(m + 1:))
             call check(error, all(transfer(x(m + 1:), word) == transfer(y(m + 1:), word)))
@@ -96,10 +87,8 @@ contains
    end subroutine test_continues
 
    !> As it was made.
-   subroutine test_reset(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reset()
       type(filter_type) :: filter
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(1000), x(1000), y(1000)
       integer(int64), allocatable :: word(:), again(:)
       integer :: kind
@@ -111,8 +100,7 @@ contains
          call run_filter(filter, z, x)
          call freeze_filter(filter, .true.)
          call reset_filter(filter, failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          call save_filter(filter, again, failed)
          call check(error, all(word == again))
          call run_filter(filter, z, y)
@@ -121,11 +109,9 @@ contains
    end subroutine test_reset
 
    !> The burn-in that the length of a record has shortened is part of the making.
-   subroutine test_short_record(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_short_record()
       type(filter_type) :: filter, other
       type(drift_identification_type) :: drift
-      type(gyro_error), allocatable :: failed
       integer(int64), allocatable :: word(:)
       real(dp) :: z(100), x(100), y(100)
 
@@ -137,13 +123,11 @@ contains
       drift%model%r = 4.2e-4_dp
       drift%slow(1) = .true.
       call design_drift_akf(drift, 8.0e-4_dp, drift_options(), filter, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call save_filter(filter, word, failed)
       call restore_filter(word, other, failed)
       call reset_filter(other, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, other%wait, 10)
       call fill_noise(13, z)
       call run_filter(filter, z, x)
@@ -152,10 +136,8 @@ contains
    end subroutine test_short_record
 
    !> Every bit of the words counts; words cut short or added too.
-   subroutine test_damaged(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_damaged()
       type(filter_type) :: filter, other
-      type(gyro_error), allocatable :: failed
       integer(int64), allocatable :: word(:), bad(:)
       real(dp) :: z(100), x(100)
       integer :: k, bit
@@ -169,30 +151,28 @@ contains
             bad = word
             bad(k) = ieor(bad(k), shiftl(1_int64, bit))
             call restore_filter(bad, other, failed)
-            call check_refused(error, failed, status%parse)
+            call check_refused(failed, status%parse)
          end do
          call restore_filter(word(:k - 1), other, failed)
-         call check_refused(error, failed, status%parse)
+         call check_refused(failed, status%parse)
       end do
       call restore_filter([word, 0_int64], other, failed)
-      call check_refused(error, failed, status%parse)
+      call check_refused(failed, status%parse)
       bad = word
       bad(5:6) = word([6, 5])
       call restore_filter(bad, other, failed)
-      call check_refused(error, failed, status%parse)
+      call check_refused(failed, status%parse)
    end subroutine test_damaged
 
    !> What was never made.
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       type(filter_type) :: filter
-      type(gyro_error), allocatable :: failed
       integer(int64), allocatable :: word(:)
 
       call save_filter(filter, word, failed)
-      call check_refused(error, failed, status%invalid_argument)
+      call check_refused(failed, status%invalid_argument)
       call reset_filter(filter, failed)
-      call check_refused(error, failed, status%invalid_argument)
+      call check_refused(failed, status%invalid_argument)
    end subroutine test_refused
 
 end module test_filter_saving

@@ -3,14 +3,13 @@
 !> of 60 digits and rounded once.
 module test_fisher
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g, fisher_tail
    use series_library, only : reference_series, reference_names
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_fisher
+   public :: suite_fisher
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
    !> p is (1 - g)^499: rounding of g alone, and of the 1000 terms of the transform, comes 500 times as large in it
@@ -26,34 +25,27 @@ module test_fisher
 
 contains
 
-   subroutine collect_fisher(testsuite)
-      !> Tests of this module
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("reference", test_reference), &
-         new_unittest("long", test_long), &
-         new_unittest("tail_sum", test_tail_sum), &
-         new_unittest("tail_published", test_tail_published), &
-         new_unittest("tail_extremes", test_tail_extremes), &
-         new_unittest("invariance", test_invariance), &
-         new_unittest("reversed", test_reversed), &
-         new_unittest("missing", test_missing), &
-         new_unittest("uniform_p", test_uniform_p), &
-         new_unittest("failures", test_failures)]
-   end subroutine collect_fisher
+   subroutine suite_fisher()
+      call test("reference", test_reference)
+      call test("long", test_long)
+      call test("tail_sum", test_tail_sum)
+      call test("tail_published", test_tail_published)
+      call test("tail_extremes", test_tail_extremes)
+      call test("invariance", test_invariance)
+      call test("reversed", test_reversed)
+      call test("missing", test_missing)
+      call test("uniform_p", test_uniform_p)
+      call test("failures", test_failures)
+   end subroutine suite_fisher
 
    !> Statistic, ordinate and probability of the eleven series.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(fisher_type) :: f
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, size(reference_names)
          call test_fisher_g(reference_series(trim(reference_names(i)), 1000), f, problem)
-         call check(error, .not. allocated(problem), trim(reference_names(i)))
-         if (allocated(error)) return
+         if (went_wrong(problem, trim(reference_names(i)))) return
          call check(error, f%statistic, g_of(i), thr=tolerance*g_of(i), more=trim(reference_names(i)))
          call check(error, int(f%ordinate), k_of(i), more=trim(reference_names(i)))
          call check(error, f%p_value, p_of(i), thr=tail_tolerance*p_of(i), more=trim(reference_names(i)))
@@ -64,10 +56,8 @@ contains
    end subroutine test_reference
 
    !> 12000 samples.
-   subroutine test_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long()
       type(fisher_type) :: f
-      type(gyro_error), allocatable :: problem
 
       call test_fisher_g(reference_series("unif", 12000), f, problem)
       call check(error, f%statistic, 0.0013707465865103576_dp, thr=tolerance)
@@ -79,8 +69,7 @@ contains
    end subroutine test_long
 
    !> The alternating sum with its binomials, term by term, where m is small.
-   subroutine test_tail_sum(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_tail_sum()
       real(dp) :: g, p, log_p, direct, binomial
       integer :: m, i, j
 
@@ -102,8 +91,7 @@ contains
    end subroutine test_tail_sum
 
    !> Fisher's table (1929) of g at 5 % and 1 %.
-   subroutine test_tail_published(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_tail_published()
       real(dp), parameter :: five(3) = [0.68377_dp, 0.44495_dp, 0.13135_dp], one(2) = [0.78853_dp, 0.53584_dp]
       integer(int64), parameter :: m(3) = [5_int64, 10_int64, 50_int64]
       real(dp) :: p, log_p
@@ -119,8 +107,7 @@ contains
    end subroutine test_tail_published
 
    !> One ordinate, all power in one, p that underflows, p near 1.
-   subroutine test_tail_extremes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_tail_extremes()
       real(dp) :: p, log_p
 
       call fisher_tail(1.0_dp, 0.0_dp, 1_int64, p, log_p)
@@ -138,10 +125,8 @@ contains
    end subroutine test_tail_extremes
 
    !> An offset of 1e6 under a signal of 1e-3, and a scale, change nothing.
-   subroutine test_invariance(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_invariance()
       type(fisher_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       x = reference_series("ar1", 997)             ! a prime length
@@ -156,10 +141,8 @@ contains
    end subroutine test_invariance
 
    !> The periodogram does not know the direction of time.
-   subroutine test_reversed(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reversed()
       type(fisher_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       x = reference_series("wn", 1001)
@@ -170,10 +153,8 @@ contains
    end subroutine test_reversed
 
    !> A sinusoid is found through a third of missing samples, whose values do not matter.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(fisher_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8) :: valid(1000)
       integer :: i
@@ -192,10 +173,8 @@ contains
    end subroutine test_missing
 
    !> 60 pieces of white noise: p is below 0.1 in about 6 of them.
-   subroutine test_uniform_p(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_uniform_p()
       type(fisher_type) :: f
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: i, below, half
 
@@ -212,29 +191,20 @@ contains
    end subroutine test_uniform_p
 
    !> Too short, constant, all but two missing.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(fisher_type) :: f
-      type(gyro_error), allocatable :: problem
       real(dp) :: x(6)
 
       x = 0.1_dp
       call test_fisher_g(x, f, problem)
-      call check(error, allocated(problem), "a constant")
-      if (allocated(error)) return
-      call check(error, problem%code, status%constant_input)
+      call check_refused(problem, status%constant_input)
       x(3) = 0.2_dp
       call test_fisher_g(x(2:3), f, problem)
-      call check(error, allocated(problem), "two samples")
-      if (allocated(error)) return
-      call check(error, problem%code, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
       call test_fisher_g(x, f, problem, [1_int8, 0_int8, 1_int8, 0_int8, 0_int8, 0_int8])
-      call check(error, allocated(problem), "two samples present")
-      if (allocated(error)) return
-      call check(error, problem%code, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
       call test_fisher_g(x(2:4), f, problem)
-      call check(error, .not. allocated(problem), "three samples")
-      if (allocated(error)) return
+      if (went_wrong(problem, "three samples")) return
       call check(error, f%p_value, 1.0_dp)
    end subroutine test_failures
 

@@ -1,36 +1,32 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of the Hampel filter and of the sorted window beneath it.
 module test_hampel
-   use expectations, only : check, check_refused
+   use expectations, only : problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_preprocess_local_outliers, only : largest_half_width, least_present, mark_hampel
    use gyroakf_preprocess_truncation, only : hampel_share
    use series_library, only : reference_series
-   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
-   public :: collect_hampel
+   public :: suite_hampel
 
 contains
 
-   subroutine collect_hampel(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("brute_force", test_brute_force), &
-         & new_unittest("long_windows", test_long_windows), &
-         & new_unittest("gaps", test_gaps), &
-         & new_unittest("few_present", test_few_present), &
-         & new_unittest("level", test_level), &
-         & new_unittest("quantised", test_quantised), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("false_alarms", test_false_alarms), &
-         & new_unittest("cleaning", test_cleaning), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_hampel
+   subroutine suite_hampel()
+      call test("by_hand", test_by_hand)
+      call test("brute_force", test_brute_force)
+      call test("long_windows", test_long_windows)
+      call test("gaps", test_gaps)
+      call test("few_present", test_few_present)
+      call test("level", test_level)
+      call test("quantised", test_quantised)
+      call test("offset_scale", test_offset_scale)
+      call test("false_alarms", test_false_alarms)
+      call test("cleaning", test_cleaning)
+      call test("failures", test_failures)
+   end subroutine suite_hampel
 
    !> 1.4826 MAD of all present samples i-k .. i+k, by sorting: whether i stands out.
    function stands_out(x, i, k, threshold, floor, valid) result(out)
@@ -70,8 +66,7 @@ contains
    end function middle
 
    !> Fails unless the marks are those of the sorted windows, at every sample.
-   subroutine compare(error, x, k, threshold, floor, valid)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine compare(x, k, threshold, floor, valid)
       real(dp), intent(in), contiguous :: x(:)
       integer, intent(in) :: k
       real(dp), intent(in) :: threshold, floor
@@ -79,13 +74,11 @@ contains
       integer(int8) :: mark(size(x))
       integer(int64) :: changed, removed
       integer :: i
-      type(gyro_error), allocatable :: problem
       character(40) :: where_it_is
 
       mark = valid
       call mark_hampel(x, k, threshold, floor, .false., mark, changed, removed, problem, valid)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       do i = 1, size(x)
          if (valid(i) == 0_int8) cycle
          if ((mark(i) == 0_int8) .eqv. stands_out(x, i, k, threshold, floor, valid)) cycle
@@ -97,25 +90,21 @@ contains
    end subroutine compare
 
    !> 1 2 1 9 2 1 2 1 2 8 1, k = 2: the 9 has neighbors 2 1 2 1, median 2, MAD 1; the 8 those of 1 2 8 1, cut at the end.
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       integer(int8) :: mark(11)
       integer(int64) :: changed, removed
-      type(gyro_error), allocatable :: problem
 
       mark = 1_int8
       call mark_hampel([1.0_dp, 2.0_dp, 1.0_dp, 9.0_dp, 2.0_dp, 1.0_dp, 2.0_dp, 1.0_dp, 2.0_dp, 8.0_dp, 1.0_dp], 2, 3.0_dp, &
          & 0.0_dp, .false., mark, changed, removed, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, all((mark == 0_int8) .eqv. [.false., .false., .false., .true., .false., .false., .false., .false., &
          & .false., .true., .false.]), "other marks")
       call check(error, changed == 2 .and. removed == 2, "counts")
    end subroutine test_by_hand
 
    !> Every window of short series, most of them cut at an end, with and without ties.
-   subroutine test_brute_force(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_brute_force()
       character(4), parameter :: name(3) = [character(4) :: "wn", "ar1", "rw"]
       integer, parameter :: half_width(7) = [1, 2, 3, 6, 10, 33, 200]
       real(dp), allocatable :: x(:)
@@ -127,22 +116,20 @@ contains
          x = reference_series(trim(name(j)), 150)
          do i = 1, size(half_width)
             n = merge(150, 7 + 3*i, j < 3)
-            call compare(error, x(:n), half_width(i), 2.0_dp, 0.0_dp, valid(:n))
-            call compare(error, anint(2.0_dp*x(:n)), half_width(i), 2.0_dp, 0.0_dp, valid(:n))
-            call compare(error, anint(x(:n)), half_width(i), 1.0_dp, 0.5_dp, valid(:n))
+            call compare(x(:n), half_width(i), 2.0_dp, 0.0_dp, valid(:n))
+            call compare(anint(2.0_dp*x(:n)), half_width(i), 2.0_dp, 0.0_dp, valid(:n))
+            call compare(anint(x(:n)), half_width(i), 1.0_dp, 0.5_dp, valid(:n))
          end do
       end do
    end subroutine test_brute_force
 
    !> Beyond a stretch, and threaded: 70,000 samples, compared at some hundred of them, seams of stretches among them.
-   subroutine test_long_windows(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long_windows()
       integer, parameter :: n = 70000, half_width(3) = [5, 60, 700]
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: mark(:), valid(:)
       integer(int64) :: changed, removed
       integer :: i, j
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn", n)
       x(::50) = 4.0_dp*x(::50)
@@ -160,8 +147,7 @@ contains
    end subroutine test_long_windows
 
    !> Missing samples, also at the ends and whole windows of them; what they hold does not matter.
-   subroutine test_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps()
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       integer :: k
@@ -173,17 +159,15 @@ contains
       valid(399:400) = 0_int8
       where (valid == 0_int8) x = 1.0e300_dp
       do k = 1, 61, 6
-         call compare(error, x, k, 2.0_dp, 0.0_dp, valid)
+         call compare(x, k, 2.0_dp, 0.0_dp, valid)
       end do
    end subroutine test_gaps
 
    !> With fewer than 11 present in its window a sample is not judged, however far off it is.
-   subroutine test_few_present(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_few_present()
       real(dp) :: x(41)
       integer(int8) :: valid(41), mark(41)
       integer(int64) :: changed, removed
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn", 41)
       x(21) = 1.0e6_dp
@@ -199,12 +183,10 @@ contains
    end subroutine test_few_present
 
    !> A level: nothing stands out, with MAD 0 anything else does, unless the floor covers it.
-   subroutine test_level(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_level()
       real(dp) :: x(200)
       integer(int8) :: mark(200)
       integer(int64) :: changed, removed
-      type(gyro_error), allocatable :: problem
 
       x = 17.3_dp
       mark = 1_int8
@@ -218,13 +200,11 @@ contains
    end subroutine test_level
 
    !> Counts 0 and 1, one in nine a 1, so that every MAD is 0: none is an outlier, neither by hampel nor by any other rule.
-   subroutine test_quantised(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_quantised()
       character(6), parameter :: method(4) = [character(6) :: "hampel", "auto", "pauta", "mad"]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       integer :: i, j
 
       allocate (x(5000), source=0.0_dp)
@@ -232,8 +212,7 @@ contains
          x(9::merge(9, 200, j == 1)) = 1.0_dp
          do i = 1, size(method)
             call clean_series(0.1_dp*x, clean_options(degree=0, method=method(i)), cleaned, mask, result, problem)
-            call check(error, .not. allocated(problem), "it failed")
-            if (allocated(error)) return
+            if (went_wrong(problem)) return
             call check(error, int(result%removed), 0, trim(method(i))//" marks counts")
          end do
          x = 0.0_dp
@@ -246,12 +225,10 @@ contains
    end subroutine test_quantised
 
    !> Offset 1e6 with noise of 1e-3, and a scale of a power of two, change no mark.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       real(dp), allocatable :: x(:)
       integer(int8) :: mark(5000, 3)
       integer(int64) :: changed, removed(3)
-      type(gyro_error), allocatable :: problem
 
       x = 2.0_dp**(-30)*anint(2.0_dp**20*reference_series("ar1", 5000))
       mark = 1_int8
@@ -264,15 +241,13 @@ contains
 
    !> The share that is stated against that of 2e5 samples, to 4 of its standard errors and the 5 % that it promises; marks of
    !> neighbors hang together, which doubles the variance.
-   subroutine test_false_alarms(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_false_alarms()
       integer, parameter :: n = 200000, half_width(4) = [2, 3, 10, 25]
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: mark(:)
       integer(int64) :: changed, removed
       real(dp) :: expected
       integer :: i
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn_bm", n)
       allocate (mark(n), source=1_int8)
@@ -284,13 +259,11 @@ contains
    end subroutine test_false_alarms
 
    !> As a method: spikes on a cubic drift whose scatter grows are found where Pauta's rule misses those of the quiet part.
-   subroutine test_cleaning(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_cleaning()
       integer, parameter :: n = 6000, place(4) = [1, 300, 301, 6000]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       x = reference_series("unif", n)
@@ -299,27 +272,24 @@ contains
       end do
       x(place) = x(place) + [5.0_dp, -3.0_dp, 3.0_dp, 40.0_dp]
       call clean_series(x, clean_options(method="hampel", threshold=6.0_dp), cleaned, mask, result, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, all(mask(place) == 0_int8), "missed")
       call check(error, result%half_width == 25 .and. result%removed <= 8 .and. result%converged, "result")
       call check(error, result%corrected_variance, 0.0_dp, thr=tiny(x))
    end subroutine test_cleaning
 
    !> Windows out of range.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       integer, parameter :: half_width(2) = [0, largest_half_width + 1]
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, 2
          call clean_series(spread(0.0_dp, 1, 9), clean_options(method="hampel", half_width=half_width(i)), cleaned, mask, result, &
             & problem)
-         call check_refused(error, problem, status%invalid_argument)
+         call check_refused(problem, status%invalid_argument)
       end do
    end subroutine test_failures
 

@@ -10,29 +10,24 @@ module test_html
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph
    use gyroakf_report_text_table, only : add_row, new_table, put_table, table_type
    use report_fixture, only : begin_text, end_text, make_record, make_result
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    implicit none (type, external)
    private
-   public :: collect_html
+   public :: suite_html
 
    character(*), parameter :: lf = new_line("a")
 
 contains
 
-   subroutine collect_html(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("escape", test_escape), &
-         & new_unittest("parts", test_parts), &
-         & new_unittest("table", test_table), &
-         & new_unittest("page", test_page)]
-   end subroutine collect_html
+   subroutine suite_html()
+      call test("escape", test_escape)
+      call test("parts", test_parts)
+      call test("table", test_table)
+      call test("page", test_page)
+   end subroutine suite_html
 
    !> Markup, quotes, control characters (also those of U+0080 to U+009F), bytes that are no UTF-8; letters stay.
-   subroutine test_escape(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_escape()
       type(writer_type) :: writer
       character(:), allocatable :: text
 
@@ -44,8 +39,7 @@ contains
    end subroutine test_escape
 
    !> Items make one list until something else comes; an item without a label goes on, or is a paragraph.
-   subroutine test_parts(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_parts()
       type(writer_type) :: writer
       character(:), allocatable :: text
 
@@ -67,8 +61,7 @@ contains
    end subroutine test_parts
 
    !> Head, names of rows, empty cells, lines in a cell, numbers behind cells; the caption is the heading above.
-   subroutine test_table(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_table()
       type(writer_type) :: writer
       type(table_type) :: table
       character(:), allocatable :: text
@@ -89,8 +82,7 @@ contains
    end subroutine test_table
 
    !> A page of the fixture: begun and ended, what it says of itself, a hostile name, every report.
-   subroutine test_page(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_page()
       character(6), parameter :: commands(5) = [character(6) :: "run", "allan", "tests", "ar", "filter"]
       type(writer_type) :: writer
       type(record_type) :: record

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The JSON writer: nesting, digits, escapes; UTF-8.
 module test_json
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, test, error, check
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_positive_inf, ieee_negative_inf
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : text_type
@@ -11,29 +10,25 @@ module test_json
    use json_reader, only : json_item, read_json, json_text_at, json_real
    implicit none (type, external)
    private
-   public :: collect_json
+   public :: suite_json
 
    character(1), parameter :: lf = new_line("a")
 
 contains
 
    !> Names the tests.
-   subroutine collect_json(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_json()
+      call test("nesting", test_nesting)
+      call test("empty", test_empty)
+      call test("digits", test_digits)
+      call test("not-finite", test_not_finite)
+      call test("escapes", test_escapes)
+      call test("utf8-invalid", test_utf8_invalid)
+      call test("utf8-width", test_utf8_width)
+      call test("large", test_large)
+   end subroutine suite_json
 
-      testsuite = [ &
-         new_unittest("nesting", test_nesting), &
-         new_unittest("empty", test_empty), &
-         new_unittest("digits", test_digits), &
-         new_unittest("not-finite", test_not_finite), &
-         new_unittest("escapes", test_escapes), &
-         new_unittest("utf8-invalid", test_utf8_invalid), &
-         new_unittest("utf8-width", test_utf8_width), &
-         new_unittest("large", test_large)]
-   end subroutine collect_json
-
-   subroutine test_nesting(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nesting()
       type(json_type) :: json
       type(text_type) :: names(2)
 
@@ -56,8 +51,7 @@ contains
                  '  "x": [0.5, -2]'//lf//"}"//lf)
    end subroutine test_nesting
 
-   subroutine test_empty(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_empty()
       type(json_type) :: json
       real(dp) :: nothing(0)
 
@@ -73,8 +67,7 @@ contains
    end subroutine test_empty
 
    !> 17 digits give the same bits back.
-   subroutine test_digits(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_digits()
       real(dp), parameter :: x(7) = [0.1_dp, 1.0_dp/3, -5.24e-4_dp, huge(1.0_dp), tiny(1.0_dp), 2.0_dp**(-1074), 12345678901.5_dp]
       type(json_type) :: json
       type(json_item), allocatable :: items(:)
@@ -93,8 +86,7 @@ contains
       end do
    end subroutine test_digits
 
-   subroutine test_not_finite(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_not_finite()
       type(json_type) :: json
       type(json_item), allocatable :: items(:)
       logical :: valid
@@ -110,8 +102,7 @@ contains
                  json_text_at(items, "/y") == "null")
    end subroutine test_not_finite
 
-   subroutine test_escapes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_escapes()
       character(*), parameter :: degree = char(194)//char(176)
       character(:), allocatable :: quoted
 
@@ -124,8 +115,7 @@ contains
    end subroutine test_escapes
 
    !> Overlong, surrogate, beyond U+10FFFF, cut short, a lonely continuation.
-   subroutine test_utf8_invalid(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_utf8_invalid()
       character(:), allocatable :: quoted
 
       call quote_json("a"//char(176)//"b", quoted)
@@ -140,16 +130,13 @@ contains
                              sequence_length(char(240)//char(159)//char(152)//char(128))] == [1, 2, 3, 4]))
    end subroutine test_utf8_invalid
 
-   subroutine test_utf8_width(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_utf8_width()
       call check(error, text_width(char(207)//char(129)//"x"//char(226)//char(130)//char(172)), 3)
       call check(error, text_width(""), 0)
    end subroutine test_utf8_width
 
    !> The buffer grows and keeps what it holds.
-   subroutine test_large(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_large()
       type(json_type) :: json
       type(json_item), allocatable :: items(:)
       logical :: valid
@@ -161,8 +148,7 @@ contains
       end do
       call json%close()
       call read_json(json_text(json), items, valid)
-      call check(error, valid .and. size(items) == 3001)
-      if (allocated(error)) return
+      if (unmet(valid .and. size(items) == 3001)) return
       call check(error, json_text_at(items, "/2999"), "3000")
    end subroutine test_large
 

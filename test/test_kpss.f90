@@ -3,16 +3,15 @@
 !> series (series_library, 1000 samples each) and rounded once; the probabilities of the Brownian bridges
 !> with 30 digits.
 module test_kpss
-   use expectations, only : check, check_refused
+   use expectations, only : problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_series_kpss, only : kpss_options, kpss_type, kpss_of => test_kpss
    use gyroakf_stats_bridge, only : bridge_survival
    use series_library, only : reference_series, reference_names
-   use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)
    private
-   public :: collect_kpss
+   public :: suite_kpss
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
    !> Bandwidths of the statistics: the last is the automatic one
@@ -49,42 +48,34 @@ module test_kpss
 
 contains
 
-   subroutine collect_kpss(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("longer_series", test_longer_series), &
-         & new_unittest("bridge", test_bridge), &
-         & new_unittest("table", test_table), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("small_signal", test_small_signal), &
-         & new_unittest("windows", test_windows), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("drift", test_drift), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_kpss
+   subroutine suite_kpss()
+      call test("by_hand", test_by_hand)
+      call test("reference", test_reference)
+      call test("longer_series", test_longer_series)
+      call test("bridge", test_bridge)
+      call test("table", test_table)
+      call test("offset_scale", test_offset_scale)
+      call test("small_signal", test_small_signal)
+      call test("windows", test_windows)
+      call test("missing", test_missing)
+      call test("drift", test_drift)
+      call test("failures", test_failures)
+   end subroutine suite_kpss
 
    !> 1 2 4: residuals -4/3 -1/3 5/3, S = -4/3 -5/3 0; sum S^2 = 41/9, g_0 = 14/9, g_1 = -1/27.
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(kpss_type) :: kpss
-      type(gyro_error), allocatable :: problem
 
       call kpss_of([1.0_dp, 2.0_dp, 4.0_dp], kpss_options(lags=1_int64), kpss, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, kpss%statistic, 41.0_dp/81.0_dp/(14.0_dp/9.0_dp - 1.0_dp/27.0_dp), thr=tolerance, rel=.true.)
       call check(error, kpss%long_run_variance, 14.0_dp/9.0_dp - 1.0_dp/27.0_dp, thr=tolerance, rel=.true.)
       call check(error, kpss%observations == 3 .and. kpss%lags == 1 .and. kpss%rule == "fixed", "what was used")
    end subroutine test_by_hand
 
    !> Eleven series, five bandwidths, both regressions.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(kpss_type) :: kpss
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       character(2), parameter :: regression(2) = ["c ", "ct"]
       integer :: i, j, k
@@ -94,8 +85,7 @@ contains
             x = reference_series(trim(reference_names(i)), 1000)
             do j = 1, size(lags_of)
                call kpss_of(x, kpss_options(regression=regression(k), lags=lags_of(j)), kpss, problem)
-               call check(error, .not. allocated(problem), "it failed")
-               if (allocated(error)) return
+               if (went_wrong(problem)) return
                call check(error, kpss%statistic, statistic_of(j, i, k), reference_names(i), thr=tolerance, rel=.true.)
             end do
             call check(error, kpss%lags, automatic(i, k), "bandwidth of "//reference_names(i))
@@ -104,10 +94,8 @@ contains
    end subroutine test_reference
 
    !> 12000 samples, Hobijn's bandwidth; 21 lags by the old rule.
-   subroutine test_longer_series(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_longer_series()
       type(kpss_type) :: kpss
-      type(gyro_error), allocatable :: problem
 
       call kpss_of(reference_series("unif", 12000), kpss_options(), kpss, problem)
       call check(error, kpss%statistic, 0.027056728119838287_dp, thr=tolerance, rel=.true.)
@@ -121,8 +109,7 @@ contains
    end subroutine test_longer_series
 
    !> Against 30 digits; 0.46136 and its kin are the quantiles of Anderson & Darling.
-   subroutine test_bridge(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_bridge()
       real(dp), parameter :: x(8, 2) = reshape([0.02_dp, 0.1_dp, 0.34730_dp, 0.46136_dp, 0.74346_dp, 1.16786_dp, 3.0_dp, &
          & 10.0_dp, 0.01_dp, 0.05_dp, 0.119_dp, 0.146_dp, 0.176_dp, 0.216_dp, 1.0_dp, 10.0_dp], [8, 2])
       real(dp), parameter :: p(8, 2) = reshape([0.99699938569839812_dp, 0.58487343840679491_dp, 0.10000308279019988_dp, &
@@ -142,10 +129,8 @@ contains
    end subroutine test_bridge
 
    !> Interpolation within the table, and what is said at its ends.
-   subroutine test_table(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_table()
       type(kpss_type) :: kpss
-      type(gyro_error), allocatable :: problem
 
       call kpss_of(reference_series("ar1_99", 1000), kpss_options(), kpss, problem)
       call check(error, kpss%p_value, 0.0460272993767108_dp, thr=tolerance, rel=.true.)
@@ -160,10 +145,8 @@ contains
    end subroutine test_table
 
    !> An offset of 2^30 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(kpss_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       x = anint(1024.0_dp*reference_series("ar1", 1000))/1024.0_dp
@@ -178,10 +161,8 @@ contains
    end subroutine test_offset_scale
 
    !> A signal of 1e-3 on 1e6 keeps seven digits: its samples have no more.
-   subroutine test_small_signal(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_small_signal()
       type(kpss_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: k
       character(2), parameter :: regression(2) = ["c ", "ct"]
@@ -196,11 +177,9 @@ contains
    end subroutine test_small_signal
 
    !> Many lags, over blocks and threads, against the plain sums.
-   subroutine test_windows(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_windows()
       integer(int64), parameter :: lags(4) = [50_int64, 4095_int64, 5000_int64, 69999_int64]
       type(kpss_type) :: kpss
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       integer :: i
@@ -220,11 +199,9 @@ contains
    end subroutine test_windows
 
    !> Gaps: the plain sums over present samples and pairs; half of all samples, a leading gap.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       integer(int64), parameter :: lags(3) = [0_int64, 6_int64, 40_int64]
       type(kpss_type) :: kpss, whole
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       integer :: i
@@ -272,10 +249,8 @@ contains
    end function plain
 
    !> The size of the effect is the height of a line, and of a parabola about a line; n does not matter.
-   subroutine test_drift(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_drift()
       type(kpss_type) :: kpss
-      type(gyro_error), allocatable :: problem
       real(dp) :: t(20001)
       integer :: i
 
@@ -287,50 +262,38 @@ contains
    end subroutine test_drift
 
    !> What cannot be tested.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(30)
       integer(int8) :: valid(30)
       integer :: i
 
       x = 5.3_dp
-      call expect(x, kpss_options(), status%constant_input, error)
-      if (allocated(error)) return
+      call expect(x, kpss_options(), status%constant_input)
       x = [(1.0e6_dp + 0.1_dp*real(i, dp), i = 1, 30)]
-      call expect(x, kpss_options(regression="ct"), status%constant_input, error)
-      if (allocated(error)) return
-      call expect(x(:2), kpss_options(), status%too_few_samples, error)
-      if (allocated(error)) return
-      call expect(x, kpss_options(lags=30_int64), status%too_few_samples, error)
-      if (allocated(error)) return
-      call expect(x, kpss_options(regression="n"), status%invalid_argument, error)
-      if (allocated(error)) return
-      call expect(x, kpss_options(rule="long"), status%invalid_argument, error)
-      if (allocated(error)) return
-      call expect(x, kpss_options(lags=-2_int64), status%invalid_argument, error)
-      if (allocated(error)) return
+      call expect(x, kpss_options(regression="ct"), status%constant_input)
+      call expect(x(:2), kpss_options(), status%too_few_samples)
+      call expect(x, kpss_options(lags=30_int64), status%too_few_samples)
+      call expect(x, kpss_options(regression="n"), status%invalid_argument)
+      call expect(x, kpss_options(rule="long"), status%invalid_argument)
+      call expect(x, kpss_options(lags=-2_int64), status%invalid_argument)
       valid = 0_int8
       valid(3:4) = 1_int8
-      call expect(x, kpss_options(), status%too_few_samples, error, valid)
-      if (allocated(error)) return
+      call expect(x, kpss_options(), status%too_few_samples,  valid)
       valid = 0_int8
-      call expect(x, kpss_options(), status%too_few_samples, error, valid)
-      if (allocated(error)) return
-      call expect(x, kpss_options(), status%invalid_argument, error, valid(:29))
+      call expect(x, kpss_options(), status%too_few_samples,  valid)
+      call expect(x, kpss_options(), status%invalid_argument,  valid(:29))
    end subroutine test_failures
 
    !> The call fails with this code.
-   subroutine expect(x, options, code, error, valid)
+   subroutine expect(x, options, code,  valid)
       real(dp), intent(in), contiguous :: x(:)
       type(kpss_options), intent(in) :: options
       integer, intent(in) :: code
-      type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       type(kpss_type) :: kpss
-      type(gyro_error), allocatable :: problem
 
       call kpss_of(x, options, kpss, problem, valid)
-      call check_refused(error, problem, code)
+      call check_refused(problem, code)
    end subroutine expect
 
 end module test_kpss

@@ -1,51 +1,44 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by least squares (ols).
 module test_least_squares
-   use expectations, only : check, check_refused
+   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_lapack, only : dgels
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : ols_common, ols_criteria, ols_errors, ols_parameters, ols_variance
    use series_library, only : reference_series, reference_names
-   use testdrive, only : error_type, new_unittest, unittest_type
    use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
-   public :: collect_least_squares
+   public :: suite_least_squares
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
 
 contains
 
-   subroutine collect_least_squares(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference_ols", test_reference_ols), &
-         & new_unittest("criteria", test_criteria), &
-         & new_unittest("common_rows", test_common_rows), &
-         & new_unittest("long_reference", test_long_reference), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("large_offset", test_large_offset), &
-         & new_unittest("gaps_dense", test_gaps_dense), &
-         & new_unittest("threads", test_threads), &
-         & new_unittest("unstable", test_unstable), &
-         & new_unittest("sinusoid", test_sinusoid), &
-         & new_unittest("order_zero", test_order_zero), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_least_squares
+   subroutine suite_least_squares()
+      call test("by_hand", test_by_hand)
+      call test("reference_ols", test_reference_ols)
+      call test("criteria", test_criteria)
+      call test("common_rows", test_common_rows)
+      call test("long_reference", test_long_reference)
+      call test("offset_scale", test_offset_scale)
+      call test("large_offset", test_large_offset)
+      call test("gaps_dense", test_gaps_dense)
+      call test("threads", test_threads)
+      call test("unstable", test_unstable)
+      call test("sinusoid", test_sinusoid)
+      call test("order_zero", test_order_zero)
+      call test("failures", test_failures)
+   end subroutine suite_least_squares
 
    !> (1, 0, 2, 0, 1) on (0, 1, 0, 2, 0): slope (0 - 5 0.6 0.8)/(5 - 5 0.36) = -3/4 through (0.6, 0.8).
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar([0.0_dp, 1.0_dp, 0.0_dp, 2.0_dp, 0.0_dp, 1.0_dp], ar_options(method="ols", max_order=1, order=1), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, model%coefficient(1), -0.75_dp, thr=tolerance)
       call check(error, model%intercept, 1.25_dp, thr=tolerance)
       call check(error, model%rows == 5 .and. model%compared_rows == 5, "rows")
@@ -53,10 +46,8 @@ contains
    end subroutine test_by_hand
 
    !> Intercept, coefficients, standard errors and variance of the orders 1 .. 6 of the eleven series.
-   subroutine test_reference_ols(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference_ols()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       real(dp) :: expected(7), spread(7)
       integer :: i, p, k
 
@@ -64,8 +55,7 @@ contains
          do p = 1, 6
             call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="ols", order=p, max_order=6), &
                & model, problem)
-            call check(error, .not. allocated(problem), reference_names(i))
-            if (allocated(error)) return
+            if (went_wrong(problem, reference_names(i))) return
             k = p*(p + 1)/2
             expected(:p + 1) = ols_parameters(k:k + p, i)
             spread(:p + 1) = ols_errors(k:k + p, i)*sqrt(real(999 - 2*p, dp)/real(1000 - p, dp))
@@ -80,10 +70,8 @@ contains
    end subroutine test_reference_ols
 
    !> Criteria of every order on its own rows.
-   subroutine test_criteria(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_criteria()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       real(dp) :: expected(5)
       integer :: i, p
 
@@ -101,16 +89,13 @@ contains
    end subroutine test_criteria
 
    !> RSS of the orders 0 .. 12 on the rows that order 12 has.
-   subroutine test_common_rows(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_common_rows()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, size(reference_names)
          call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="ols", max_order=12), model, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, model%compared_rows == 988 .and. model%rows == 1000 - model%order, "rows")
          call check(error, maxval(abs(988.0_dp*model%table%noise_variance/ols_common(:, i) - 1.0_dp)), 0.0_dp, &
             & reference_names(i), thr=tolerance)
@@ -118,14 +103,11 @@ contains
    end subroutine test_common_rows
 
    !> 12,000 samples of AR(2).
-   subroutine test_long_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long_reference()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(reference_series("ar2", 12000), ar_options(method="ols", order=3), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs([model%intercept, model%coefficient] - [-0.007209649564846636_dp, 1.1734540975554553_dp, &
          & -0.45248722180508255_dp, -0.02507909677464238_dp])), 0.0_dp, thr=tolerance)
       call check(error, model%noise_variance, 0.998474005145591_dp, thr=tolerance, rel=.true.)
@@ -133,17 +115,14 @@ contains
    end subroutine test_long_reference
 
    !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
 
       x = anint(1024.0_dp*reference_series("ar2", 6000))/1024.0_dp
       call fit_ar(x, ar_options(method="ols", max_order=5), a, problem)
       call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method="ols", max_order=5), b, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, a%order, b%order)
       call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
       call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
@@ -152,33 +131,28 @@ contains
    end subroutine test_offset_scale
 
    !> A signal of 1e-3 on 1e6: rounding of the samples, 1e-10, is 1e-7 of it.
-   subroutine test_large_offset(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_large_offset()
       character(4), parameter :: methods(3) = [character(4) :: "yw", "burg", "ols"]
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       x = 1.0e-3_dp*reference_series("ar1", 2000)
       do i = 1, size(methods)
          call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
          call fit_ar(x + 1.0e6_dp, ar_options(method=methods(i), max_order=5), b, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, a%order, b%order)
          call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=1.0e-7_dp)
       end do
    end subroutine test_large_offset
 
    !> Complete rows gathered into a matrix and solved by QR factors.
-   subroutine test_gaps_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps_dense()
       integer, parameter :: p = 3
       real(dp) :: x(800), a(800, p + 1), y(800, 1), work(4000), mean
       integer(int8) :: valid(800)
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       integer :: t, m, info
 
       x = reference_series("ar2", 800) + 5.0_dp
@@ -193,20 +167,17 @@ contains
       end do
       call dgels("N", m, p + 1, 1, a, 800, y, 800, work, size(work), info)
       call fit_ar(merge(x, 1.0e6_dp, valid == 1_int8), ar_options(method="ols", order=p, max_order=5), model, problem, valid)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(model%coefficient - y(:p, 1))), 0.0_dp, thr=tolerance)
       call check(error, model%noise_variance, sum(y(p + 2:m, 1)**2)/real(m, dp), thr=tolerance, rel=.true.)
       call check(error, model%rows == m .and. model%compared_rows < model%rows, "rows")
    end subroutine test_gaps_dense
 
    !> One thread and two, with gaps.
-   subroutine test_threads(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_threads()
       type(ar_model_type) :: model(2)
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
-      type(gyro_error), allocatable :: problem
       integer :: i, before
 
       x = reference_series("ar2", 120000)
@@ -217,16 +188,13 @@ contains
          call fit_ar(x, ar_options(method="ols", order=4, max_order=6), model(i), problem, valid)
       end do
       call set_thread_count(before)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(model(1)%coefficient - model(2)%coefficient)), 0.0_dp, thr=tolerance)
    end subroutine test_threads
 
    !> A series that grows: least squares says so, yw and burg cannot.
-   subroutine test_unstable(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_unstable()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
       real(dp) :: x(200)
       integer :: t
 
@@ -235,8 +203,7 @@ contains
          x(t) = x(t) + 1.05_dp*x(t - 1)
       end do
       call fit_ar(x, ar_options(method="ols", order=1), model, problem)
-      call check(error, .not. allocated(problem) .and. .not. model%stationary, "it grows")
-      if (allocated(error)) return
+      if (unmet(.not. allocated(problem) .and. .not. model%stationary, "it grows")) return
       call check(error, model%root(1)%modulus, 1.05_dp, thr=1.0e-3_dp)
       call fit_ar(x, ar_options(method="burg", order=1), model, problem)
       call check(error, .not. allocated(problem) .and. model%stationary, "burg")
@@ -244,19 +211,16 @@ contains
 
    !> A cycle of 20 samples, phase 45 degrees, a little noise: ols finds the frequency, Burg's is shifted (Chen & Stegen,
    !> J. Geophys. Res. 79 (1974) 3019-3022).
-   subroutine test_sinusoid(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_sinusoid()
       real(dp), parameter :: pi = acos(-1.0_dp)
       type(ar_model_type) :: model, burg
-      type(gyro_error), allocatable :: problem
       real(dp) :: x(25)
       integer :: t
 
       x = [(sin(0.1_dp*pi*real(t, dp) + 0.25_dp*pi), t=1, 25)]
       x = x - sum(x)/25.0_dp + 1.0e-6_dp*reference_series("wn", 25)
       call fit_ar(x, ar_options(method="ols", order=2, max_order=2), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, model%root(1)%frequency, 0.05_dp, "ols", thr=1.0e-6_dp)
       x = [(sin(0.1_dp*pi*real(t, dp) + 0.25_dp*pi), t=1, 25)]
       x = [x(1:20) + 1.0e-6_dp*reference_series("wn", 20), x(21:25)]
@@ -266,42 +230,36 @@ contains
    end subroutine test_sinusoid
 
    !> Order 0: mean and variance.
-   subroutine test_order_zero(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_order_zero()
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method="ols", order=0, max_order=0), model, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
-      call check(error, size(model%coefficient) + size(model%root), 0)
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
+      if (unmet(size(model%coefficient) + size(model%root), 0)) return
       call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
       call check(error, model%intercept, 2.5_dp, thr=tolerance)
    end subroutine test_order_zero
 
    !> A constant, a line, a sinusoid without noise; too few rows.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(60)
       integer(int8) :: valid(60)
       integer :: t
 
       x = 0.1_dp
-      call refused(error, x, status%constant_input)
+      call refused(x, status%constant_input)
       x = [(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)]
-      call refused(error, x, status%singular)
+      call refused(x, status%singular)
       x = reference_series("wn", 60)
       valid = [(merge(0_int8, 1_int8, modulo(t, 4) == 0), t=1, 60)]
-      call refused(error, x, status%too_few_samples, valid)
-      call refused(error, x(1:9), status%too_few_samples)
+      call refused(x, status%too_few_samples, valid)
+      call refused(x(1:9), status%too_few_samples)
       x = [(real(2*t, dp) - 7.0_dp, t=1, 60)]
-      call refused(error, x, status%singular)
+      call refused(x, status%singular)
    end subroutine test_failures
 
    !> Fails unless the fit is refused with the code.
-   subroutine refused(error, x, code, valid)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine refused(x, code, valid)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Expected
@@ -309,10 +267,9 @@ contains
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: problem
 
       call fit_ar(x, ar_options(method="ols"), model, problem, valid)
-      call check_refused(error, problem, code)
+      call check_refused(problem, code)
    end subroutine refused
 
 end module test_least_squares

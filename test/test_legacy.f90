@@ -2,10 +2,9 @@
 !> Tests of the names of FORTRAN 77: what they give is what the library gives, INFO says which argument is bad.
 module test_legacy
    use, intrinsic :: iso_c_binding, only : c_double, c_int32_t
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failed => problem, test, error, check
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
@@ -17,7 +16,7 @@ module test_legacy
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    implicit none (type, external)
    private
-   public :: collect_legacy
+   public :: suite_legacy
 
    integer, parameter :: samples = 2000, points = 64
    !> Seconds
@@ -26,18 +25,15 @@ module test_legacy
 contains
 
    !> Names the tests.
-   subroutine collect_legacy(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("gyadev", test_gyadev), &
-         new_unittest("gynfit", test_gynfit), &
-         new_unittest("gyadft", test_gyadft), &
-         new_unittest("gyarft", test_gyarft), &
-         new_unittest("filter", test_filter), &
-         new_unittest("filter-adapts", test_adaptive), &
-         new_unittest("filter-refused", test_refused)]
-   end subroutine collect_legacy
+   subroutine suite_legacy()
+      call test("gyadev", test_gyadev)
+      call test("gynfit", test_gynfit)
+      call test("gyadft", test_gyadft)
+      call test("gyarft", test_gyarft)
+      call test("filter", test_filter)
+      call test("filter-adapts", test_adaptive)
+      call test("filter-refused", test_refused)
+   end subroutine suite_legacy
 
    !> AR(1) of normal noise, of coefficient phi.
    subroutine make_series(phi, x)
@@ -54,13 +50,11 @@ contains
    end subroutine make_series
 
    !> Every kind of deviation, and what is wrong with N, KIND, MAXT, DT.
-   subroutine test_gyadev(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gyadev()
       character(6), parameter :: kinds(7) = [character(6) :: "oadev", "adev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
       type(allan_options) :: options
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
-      type(gyro_error), allocatable :: failed
       real(c_double), dimension(points) :: tau, dev, low, high, edf
       real(dp) :: x(samples)
       integer(c_int32_t) :: kind, nt, info
@@ -71,8 +65,7 @@ contains
          call compute_allan(x, interval, options, curve, failed)
          if (kind == 1) call fit_noise(curve, noise_options(), noise, failed)
          call gyadev(samples, x, interval, kind, points, nt, tau, dev, low, high, edf, info)
-         call check(error, info == 0 .and. nt == size(curve%tau), kinds(kind))
-         if (allocated(error)) return
+         if (unmet(info == 0 .and. nt == size(curve%tau), kinds(kind))) return
          call check(error, all(abs([tau(:nt), dev(:nt), low(:nt), high(:nt), edf(:nt)] - &
                                    [curve%tau, curve%deviation, curve%lower, curve%upper, curve%edf]) <= 0.0_dp), kinds(kind))
       end do
@@ -88,11 +81,9 @@ contains
       call check(error, info == status%invalid_argument, "DT < 0")
    end subroutine test_gyadev
 
-   subroutine test_gynfit(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gynfit()
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
-      type(gyro_error), allocatable :: failed
       real(c_double) :: coef(5), se(5), upper(5), chi2, x(samples)
       integer(c_int32_t) :: detected(5), info
 
@@ -113,11 +104,9 @@ contains
       call check(error, info > 0, "a constant")
    end subroutine test_gynfit
 
-   subroutine test_gyadft(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gyadft()
       type(adf_options) :: options
       type(adf_type) :: result
-      type(gyro_error), allocatable :: failed
       real(c_double) :: x(samples), stat, pval, crit(3)
       integer(c_int32_t) :: lag, most, info
 
@@ -128,7 +117,6 @@ contains
          call gyadft(samples, x, most, stat, pval, crit, lag, info)
          call check(error, info == 0 .and. lag == result%lag, "lag")
          call check(error, all(abs([stat, pval, crit] - [result%statistic, result%p_value, result%critical]) <= 0.0_dp), "numbers")
-         if (allocated(error)) return
       end do
       call gyadft(0, x, -1, stat, pval, crit, lag, info)
       call check(error, info == -1, "N = 0")
@@ -138,13 +126,11 @@ contains
       call check(error, info == status%too_few_samples, "N = 3")
    end subroutine test_gyadft
 
-   subroutine test_gyarft(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gyarft()
       character(4), parameter :: methods(3) = ["yw  ", "burg", "ols "]
       integer(c_int32_t), parameter :: most = 6
       type(ar_options) :: options
       type(ar_model_type) :: model
-      type(gyro_error), allocatable :: failed
       real(c_double) :: x(samples), phi(most), expected(most), var, mean
       integer(c_int32_t) :: order, method, info
 
@@ -172,14 +158,12 @@ contains
    end subroutine test_gyarft
 
    !> Step by step, at once, and beside the filter of the library; missing measurements, a part without adaptation; what it holds.
-   subroutine compare_filter(phi, adapt, error)
+   subroutine compare_filter(phi, adapt)
       real(c_double), intent(in) :: phi(:)
       integer(c_int32_t), intent(in) :: adapt(4)
-      type(error_type), allocatable, intent(out) :: error
       real(c_double), parameter :: q = 1.0_dp, r = 2.0_dp, forgetting = 0.99_dp
       type(filter_options) :: options
       type(filter_type) :: filter
-      type(gyro_error), allocatable :: failed
       real(c_double) :: z(samples), x(samples), all_at_once(samples), expected(samples), length(1), state(9)
       real(c_double), allocatable :: work(:), other(:)
       integer(c_int32_t) :: info, p
@@ -219,23 +203,18 @@ contains
       call check(error, info == 0 .and. all(abs(all_at_once(:499) - x(:499)) <= 0.0_dp), "GYFRUN as step by step")
    end subroutine compare_filter
 
-   subroutine test_filter(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare_filter([0.5_dp], [0, 0, 0, 0], error)
-      if (.not. allocated(error)) call compare_filter([0.5_dp, 0.2_dp, 0.1_dp], [0, 0, 0, 0], error)
+   subroutine test_filter()
+      call compare_filter([0.5_dp], [0, 0, 0, 0])
+      if (.not. allocated(error)) call compare_filter([0.5_dp, 0.2_dp, 0.1_dp], [0, 0, 0, 0])
    end subroutine test_filter
 
-   subroutine test_adaptive(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare_filter([0.5_dp], [1, 0, 1, 1], error)
-      if (.not. allocated(error)) call compare_filter([0.5_dp, 0.2_dp], [0, 1, 0, 1], error)
+   subroutine test_adaptive()
+      call compare_filter([0.5_dp], [1, 0, 1, 1])
+      if (.not. allocated(error)) call compare_filter([0.5_dp, 0.2_dp], [0, 1, 0, 1])
    end subroutine test_adaptive
 
    !> Arguments that are bad; what is no filter gives the measurement back.
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       integer(c_int32_t), parameter :: fixed(4) = 0
       real(c_double) :: work(46), z(2), x(2), state(9)
       integer(c_int32_t) :: info

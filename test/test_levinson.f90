@@ -3,16 +3,15 @@
 !> the doubles of the series (series_library, 1000 samples each) and rounded once.
 module test_levinson
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_lapack, only : dpotrf, dpotrs
    use series_library, only : reference_series, reference_names
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_levinson
+   public :: suite_levinson
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
    !> AR(3) coefficients in the order of reference_names
@@ -51,62 +50,50 @@ module test_levinson
 
 contains
 
-   subroutine collect_levinson(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("closed_form", test_closed_form), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("direct_solution", test_direct_solution), &
-         & new_unittest("scale", test_scale), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_levinson
+   subroutine suite_levinson()
+      call test("closed_form", test_closed_form)
+      call test("reference", test_reference)
+      call test("direct_solution", test_direct_solution)
+      call test("scale", test_scale)
+      call test("failures", test_failures)
+   end subroutine suite_levinson
 
    !> The autocovariances phi^k/(1 - phi^2) of AR(1) give back phi, 0, 0 and the variance 1.
-   subroutine test_closed_form(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_closed_form()
       real(dp), allocatable :: phi(:, :), variance(:)
-      type(gyro_error), allocatable :: problem
       integer :: k
 
       call solve_levinson([(0.6_dp**k/0.64_dp, k = 0, 3)], phi, variance, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(phi(:, 3) - [0.6_dp, 0.0_dp, 0.0_dp])), 0.0_dp, thr=tolerance)
       call check(error, maxval(abs(phi(:, 1) - [0.6_dp, 0.0_dp, 0.0_dp])), 0.0_dp, thr=tolerance)
       call check(error, maxval(abs(variance - [1.5625_dp, 1.0_dp, 1.0_dp, 1.0_dp])), 0.0_dp, thr=tolerance)
    end subroutine test_closed_form
 
    !> The eleven series. The random walk's matrix has a condition of 1e3.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       real(dp), allocatable :: r(:), phi(:, :), variance(:)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       do i = 1, size(reference_names)
          call compute_autocovariance(reference_series(trim(reference_names(i)), 1000), 6, mean, r, problem)
          call solve_levinson(r, phi, variance, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, maxval(abs(phi(:3, 3) - phi_of(:, i))), 0.0_dp, reference_names(i), thr=tolerance)
          call check(error, maxval(abs(variance/variance_of(:, i) - 1.0_dp)), 0.0_dp, reference_names(i), thr=tolerance)
       end do
    end subroutine test_reference
 
    !> The same equations solved as a dense symmetric system.
-   subroutine test_direct_solution(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_direct_solution()
       real(dp), allocatable :: r(:), phi(:, :), variance(:), matrix(:, :), right(:, :)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
       integer :: i, j, info
 
       call compute_autocovariance(reference_series("sine", 3000), 25, mean, r, problem)
       call solve_levinson(r, phi, variance, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       matrix = reshape([((r(abs(i - j)), i = 1, 25), j = 1, 25)], [25, 25])
       right = reshape(r(1:25), [25, 1])
       call dpotrf("U", 25, matrix, 25, info)
@@ -117,37 +104,27 @@ contains
    end subroutine test_direct_solution
 
    !> Coefficients do not feel the scale, variances do.
-   subroutine test_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_scale()
       real(dp), parameter :: r(0:3) = [2.0_dp, 1.2_dp, 0.9_dp, 0.1_dp]
       real(dp), allocatable :: phi(:, :), variance(:), phi2(:, :), variance2(:)
-      type(gyro_error), allocatable :: problem
 
       call solve_levinson(r, phi, variance, problem)
       call solve_levinson(1.0e-12_dp*r, phi2, variance2, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(phi - phi2)), 0.0_dp, thr=tolerance)
       call check(error, maxval(abs(1.0e12_dp*variance2 - variance)), 0.0_dp, thr=tolerance)
    end subroutine test_scale
 
    !> No variance; a sequence that is no autocovariance; a perfect sine; order 0 is no failure.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp), allocatable :: phi(:, :), variance(:)
-      type(gyro_error), allocatable :: problem
 
       call solve_levinson([0.0_dp, 0.0_dp], phi, variance, problem)
-      call check(error, allocated(problem), "no variance was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%constant_input)
+      call check_refused(problem, status%constant_input)
       call solve_levinson([1.0_dp, 0.5_dp, -0.9_dp], phi, variance, problem)
-      call check(error, allocated(problem), "an indefinite sequence was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%singular)
+      call check_refused(problem, status%singular)
       call solve_levinson([1.0_dp, cos(1.0_dp), cos(2.0_dp), cos(3.0_dp)], phi, variance, problem)
-      call check(error, allocated(problem), "a perfect sine was accepted")
-      if (allocated(error)) return
+      if (unmet(allocated(problem), "a perfect sine was accepted")) return
       call solve_levinson([1.0_dp], phi, variance, problem)
       call check(error, .not. allocated(problem), "order 0 was refused")
    end subroutine test_failures

@@ -2,17 +2,16 @@
 !> The likelihood of drift models against dense Gaussians, and its gradient.
 module test_likelihood
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use expectations, only : check, check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_lapack, only : dpotrf
    use filter_library, only : fill_noise, make_series
    implicit none (type, external)
    private
-   public :: collect_likelihood
+   public :: suite_likelihood
 
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
    !> Rounding of a dense Cholesky factorisation of 50 samples
@@ -20,22 +19,19 @@ module test_likelihood
 
 contains
 
-   subroutine collect_likelihood(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("ar1-dense", test_ar1_dense), &
-         new_unittest("three-dense", test_three_dense), &
-         new_unittest("walk-dense", test_walk_dense), &
-         new_unittest("slow-dense", test_slow_dense), &
-         new_unittest("gaps-dense", test_gaps_dense), &
-         new_unittest("late-start", test_late_start), &
-         new_unittest("gradient", test_gradient), &
-         new_unittest("steady", test_steady), &
-         new_unittest("maximum", test_maximum), &
-         new_unittest("scale", test_scale), &
-         new_unittest("refused", test_refused)]
-   end subroutine collect_likelihood
+   subroutine suite_likelihood()
+      call test("ar1-dense", test_ar1_dense)
+      call test("three-dense", test_three_dense)
+      call test("walk-dense", test_walk_dense)
+      call test("slow-dense", test_slow_dense)
+      call test("gaps-dense", test_gaps_dense)
+      call test("late-start", test_late_start)
+      call test("gradient", test_gradient)
+      call test("steady", test_steady)
+      call test("maximum", test_maximum)
+      call test("scale", test_scale)
+      call test("refused", test_refused)
+   end subroutine suite_likelihood
 
    !> Random walk, AR(1) and white noise.
    pure type(component_model_type) function mixture(walk)
@@ -111,22 +107,18 @@ contains
    end function normal_series
 
    !> Compares filter and factorisation.
-   subroutine compare(error, model, z, here)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine compare(model, z, here)
       type(component_model_type), intent(in) :: model
       real(dp), intent(in), contiguous :: z(:)
       logical, intent(in) :: here(:)
-      type(gyro_error), allocatable :: failed
       real(dp) :: value
 
       call component_likelihood(model, z, value, failed, int(merge(1, 0, here), int8))
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, value, dense_likelihood(model, z, here), thr=dense, rel=.true.)
    end subroutine compare
 
-   subroutine test_ar1_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_ar1_dense()
       type(component_model_type) :: model
       logical :: here(50)
 
@@ -135,62 +127,55 @@ contains
       model%q(1) = 0.4_dp
       model%r = 1.5_dp
       here = .true.
-      call compare(error, model, normal_series(50_int64, 3), here)
+      call compare(model, normal_series(50_int64, 3), here)
    end subroutine test_ar1_dense
 
-   subroutine test_three_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_three_dense()
       logical :: here(50)
 
       here = .true.
-      call compare(error, mixture(.false.), normal_series(50_int64, 4), here)
+      call compare(mixture(.false.), normal_series(50_int64, 4), here)
    end subroutine test_three_dense
 
-   subroutine test_walk_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_walk_dense()
       logical :: here(50)
 
       here = .true.
-      call compare(error, mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here)
+      call compare(mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here)
    end subroutine test_walk_dense
 
    !> A filter that needs thousands of samples to come to rest is not taken as being there after some hundred.
-   subroutine test_slow_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_slow_dense()
       type(component_model_type) :: model
       logical :: here(400)
 
       model = mixture(.true.)
       model%q(3) = 1.0e-6_dp
       here = .true.
-      call compare(error, model, normal_series(400_int64, 15), here)
+      call compare(model, normal_series(400_int64, 15), here)
    end subroutine test_slow_dense
 
-   subroutine test_gaps_dense(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps_dense()
       logical :: here(50)
 
       here = .true.
       here([2, 3, 17, 30, 31, 32, 50]) = .false.
-      call compare(error, mixture(.true.), normal_series(50_int64, 6), here)
-      call compare(error, mixture(.false.), normal_series(50_int64, 6), here)
+      call compare(mixture(.true.), normal_series(50_int64, 6), here)
+      call compare(mixture(.false.), normal_series(50_int64, 6), here)
    end subroutine test_gaps_dense
 
    !> Samples are missing before the first measurement.
-   subroutine test_late_start(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_late_start()
       logical :: here(50)
 
       here = .true.
       here(:9) = .false.
-      call compare(error, mixture(.true.), normal_series(50_int64, 8), here)
+      call compare(mixture(.true.), normal_series(50_int64, 8), here)
    end subroutine test_late_start
 
    !> Against central differences, with gaps and a random walk.
-   subroutine test_gradient(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gradient()
       type(component_model_type) :: model, near
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(400), gradient(7), value, above, below, h
       integer :: m
 
@@ -198,8 +183,7 @@ contains
       z = normal_series(400_int64, 9)
       z([5, 60, 61]) = ieee_value(1.0_dp, ieee_quiet_nan)
       call component_likelihood(model, z, value, failed, gradient=gradient)
-      call check(error, .not. allocated(failed) .and. abs(gradient(3)) <= 0.0_dp)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. abs(gradient(3)) <= 0.0_dp)) return
       do m = 1, 7
          if (m == 3) cycle
          h = 1.0e-6_dp
@@ -228,10 +212,8 @@ contains
    end function moved
 
    !> The steady gain changes nothing: the likelihood is the sum of those of windows too short to settle, given what is before them.
-   subroutine test_steady(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_steady()
       type(component_model_type) :: model
-      type(gyro_error), allocatable :: failed
       real(dp), allocatable :: z(:)
       real(dp) :: whole, parts, piece, gradient(3)
       integer :: k
@@ -242,8 +224,7 @@ contains
       model%r = 1.0_dp
       z = normal_series(20000_int64, 10)
       call component_likelihood(model, z, whole, failed, gradient=gradient)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       parts = 0.0_dp
       do k = 0, 199                                        ! what is more than 40 samples back counts 0.4^40
          call component_likelihood(model, z(max(1, 100*k - 39):100*k + 100), piece, failed)
@@ -256,10 +237,8 @@ contains
    end subroutine test_steady
 
    !> The true parameters of a long series are likelier than others by far more than chance (half a chi-square a parameter).
-   subroutine test_maximum(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_maximum()
       type(component_model_type) :: model
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(50000), value, other
 
       call make_series(11, 0.9_dp, 1.0_dp, 1.0_dp, z)
@@ -278,10 +257,8 @@ contains
    end subroutine test_maximum
 
    !> Values and standard deviations times s: ln L less n ln s, less one where the first sets the level.
-   subroutine test_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_scale()
       type(component_model_type) :: model
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(300), value, scaled
       real(dp), parameter :: s = 3.0e-4_dp
 
@@ -295,28 +272,26 @@ contains
       call check(error, scaled + 299*log(s), value, thr=1.0e-10_dp, rel=.true.)
    end subroutine test_scale
 
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       type(component_model_type) :: model
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(10), value
 
       z = normal_series(10_int64, 14)
       call component_likelihood(model, z, value, failed)
-      call check_refused(error, failed, status%invalid_argument)
+      call check_refused(failed, status%invalid_argument)
       model = mixture(.true.)
       model%phi(1) = 1.0_dp
       call component_likelihood(model, z, value, failed)
-      call check_refused(error, failed, status%invalid_argument)
+      call check_refused(failed, status%invalid_argument)
       model%phi(1) = -1.2_dp
       call component_likelihood(model, z, value, failed)
-      call check_refused(error, failed, status%unstable)
+      call check_refused(failed, status%unstable)
       model = mixture(.true.)
       call component_likelihood(model, z(:1), value, failed)
-      call check_refused(error, failed, status%too_few_samples)
+      call check_refused(failed, status%too_few_samples)
       model%r = ieee_value(1.0_dp, ieee_quiet_nan)
       call component_likelihood(model, z, value, failed)
-      call check_refused(error, failed, status%non_finite)
+      call check_refused(failed, status%non_finite)
    end subroutine test_refused
 
 end module test_likelihood

@@ -1,26 +1,22 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of gyroakf_io_machine_memory.
 module test_machine_memory
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_machine_memory, only : free_memory, least_limit, memory_of, no_limit
    use scratch_file, only : remove_file, scratch_path
    implicit none (type, external)
    private
-   public :: collect_machine_memory
+   public :: suite_machine_memory
 
 contains
 
    !> Names the tests.
-   subroutine collect_machine_memory(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("line", test_line), &
-         new_unittest("limits", test_limits), &
-         new_unittest("here", test_here)]
-   end subroutine collect_machine_memory
+   subroutine suite_machine_memory()
+      call test("line", test_line)
+      call test("limits", test_limits)
+      call test("here", test_here)
+   end subroutine suite_machine_memory
 
    !> Writes a file of one text.
    subroutine write_text(name, text)
@@ -32,8 +28,7 @@ contains
       close (unit)
    end subroutine write_text
 
-   subroutine test_line(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_line()
       character(1), parameter :: feed = new_line("a")
 
       call write_text("meminfo", "MemTotal:       24684116 kB"//feed//"MemAvailable:   1000 kB"//feed//"Odd: max")
@@ -44,8 +39,7 @@ contains
       if (.not. allocated(error)) call check(error, memory_of(scratch_path("meminfo"), "MemTotal:") >= no_limit, "no file")
    end subroutine test_line
 
-   subroutine test_limits(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_limits()
       character(:), allocatable :: path
       integer :: cut
 
@@ -59,8 +53,7 @@ contains
       call remove_file(path)
    end subroutine test_limits
 
-   subroutine test_here(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_here()
       integer(int64) :: bytes
 
       ! nothing is known (0), or more than a megabyte and less than an exabyte

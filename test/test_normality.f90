@@ -3,18 +3,17 @@
 !> arithmetic from the doubles of the series (series_library, 1000 samples each) and rounded once.
 module test_normality
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_pipeline_channel_distribution, only : find_step, run_distribution
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_stats_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &
       & kurtosis_error, judge_normality
    use series_library, only : reference_series, reference_names
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_normality
+   public :: suite_normality
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
    !> In the order of reference_names
@@ -29,22 +28,18 @@ module test_normality
 
 contains
 
-   subroutine collect_normality(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("failures", test_failures), &
-         & new_unittest("standard_errors", test_standard_errors), &
-         & new_unittest("verdicts", test_verdicts), &
-         & new_unittest("deciding_test", test_deciding)]
-   end subroutine collect_normality
+   subroutine suite_normality()
+      call test("by_hand", test_by_hand)
+      call test("reference", test_reference)
+      call test("offset_scale", test_offset_scale)
+      call test("failures", test_failures)
+      call test("standard_errors", test_standard_errors)
+      call test("verdicts", test_verdicts)
+      call test("deciding_test", test_deciding)
+   end subroutine suite_normality
 
    !> -1 and 1: skewness 0, kurtosis 1, JB = 4/6 (2^2/4).
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(jarque_bera_type) :: jb
 
       call run([-1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp], jb)
@@ -62,7 +57,6 @@ contains
       !> The test
       type(jarque_bera_type), intent(out) :: jb
       type(moments_type) :: moments
-      type(gyro_error), allocatable :: problem
 
       call compute_moments(x, moments)
       call test_jarque_bera(moments, jb, problem)
@@ -70,8 +64,7 @@ contains
    end subroutine run
 
    !> The eleven series; the statistic of a nearly normal series is a small difference.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(jarque_bera_type) :: jb
       integer :: i
 
@@ -83,8 +76,7 @@ contains
    end subroutine test_reference
 
    !> Powers of two are exact, and so is the offset for multiples of 1/1024.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(jarque_bera_type) :: a, b
       real(dp), allocatable :: x(:)
 
@@ -98,34 +90,24 @@ contains
    end subroutine test_offset_scale
 
    !> One sample; a constant series; samples whose squares are no numbers.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(moments_type) :: moments
       type(jarque_bera_type) :: jb
-      type(gyro_error), allocatable :: problem
 
       call compute_moments([1.0_dp], moments)
       call test_jarque_bera(moments, jb, problem)
-      call check(error, allocated(problem), "one sample was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
       call compute_moments([0.1_dp, 0.1_dp, 0.1_dp], moments)
       call test_jarque_bera(moments, jb, problem)
-      call check(error, allocated(problem), "a constant series was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%constant_input)
+      call check_refused(problem, status%constant_input)
       call compute_moments([0.0_dp, 1.0e-160_dp, 3.0e-160_dp], moments)
       call check(error, moments%std > 0.0_dp, "the deviation of tiny samples vanished")
       call test_jarque_bera(moments, jb, problem)
-      call check(error, allocated(problem), "a variance that vanishes was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%constant_input)
+      call check_refused(problem, status%constant_input)
    end subroutine test_failures
 
    !> n = 8: sqrt(6 6/99) and sqrt(24 8 6 5/(81 11 13)).
-   subroutine test_standard_errors(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_standard_errors()
       call check(error, skewness_error(8_int64), sqrt(36.0_dp/99.0_dp), thr=tolerance, rel=.true.)
       call check(error, kurtosis_error(8_int64), sqrt(5760.0_dp/11583.0_dp), thr=tolerance, rel=.true.)
       call check(error, kurtosis_error(10_int64**12)*sqrt(1.0e12_dp/24.0_dp), 1.0_dp, thr=1.0e-11_dp)
@@ -133,9 +115,7 @@ contains
    end subroutine test_standard_errors
 
    !> The table of the verdicts.
-   subroutine test_verdicts(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_verdicts()
       call check(error, judge_normality(0.05_dp, 3.1_dp, 0.3_dp), "normal   ")
       call check(error, judge_normality(0.05_dp, 2.9_dp, 1.0e-10_dp), "nearly   ")
       call check(error, judge_normality(-0.5_dp, 3.0_dp, 0.3_dp), "undecided")
@@ -145,29 +125,24 @@ contains
    !> Three values with the skewness and kurtosis of a normal distribution, -s 0 0 0 0 s with
    !> s = sqrt(3): Jarque-Bera accepts them, Anderson-Darling rejects them. The latter decides where all samples
    !> were tested and are not in coarse steps.
-   subroutine test_deciding(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_deciding()
       real(dp) :: x(2000)
       integer :: i
 
       x = [(sqrt(3.0_dp)*real(merge(1, 0, mod(i, 6) == 5) - merge(1, 0, mod(i, 6) == 0), dp), &
             i=1, size(x))]
-      call check_verdict(x + 1.0e-3_dp*reference_series("wn", size(x)), 2000_int64, "nearly", error)
-      if (allocated(error)) return
-      call check_verdict(x + 1.0e-3_dp*reference_series("wn", size(x)), 1999_int64, "normal", error)
-      if (allocated(error)) return
-      call check_verdict(x, 2000_int64, "normal", error)
+      call check_verdict(x + 1.0e-3_dp*reference_series("wn", size(x)), 2000_int64, "nearly")
+      call check_verdict(x + 1.0e-3_dp*reference_series("wn", size(x)), 1999_int64, "normal")
+      call check_verdict(x, 2000_int64, "normal")
    end subroutine test_deciding
 
    !> The verdict of the pipeline, with so many samples of the Anderson-Darling test.
-   subroutine check_verdict(x, most_samples, expected, error)
+   subroutine check_verdict(x, most_samples, expected)
       real(dp), intent(in), contiguous :: x(:)
       integer(int64), intent(in) :: most_samples
       character(*), intent(in) :: expected
-      type(error_type), allocatable, intent(out) :: error
       type(pipeline_options) :: options
       type(channel_result_type) :: channel
-      type(gyro_error), allocatable :: problem
 
       options%anderson_darling%most_samples = most_samples
       call compute_moments(x, channel%cleaned)
@@ -175,8 +150,7 @@ contains
       channel%available%jarque_bera = .not. allocated(problem)
       call find_step(x, channel, problem)
       if (.not. allocated(problem)) call run_distribution(x, options, channel, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, channel%anderson_darling%p_value < 1.0e-20_dp, "normal by Anderson-Darling")
       call check(error, trim(channel%normality), expected)
    end subroutine check_verdict

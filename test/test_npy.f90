@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> NumPy's array files: every type, byte order and layout against exact values, headers that lie.
 module test_npy
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_npy, only : make_npy_header, npy_magic
@@ -11,31 +10,28 @@ module test_npy
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: collect_npy
+   public :: suite_npy
 
 contains
 
    !> Names the tests.
-   subroutine collect_npy(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("floats", test_floats), &
-         new_unittest("integers", test_integers), &
-         new_unittest("versions", test_versions), &
-         new_unittest("orders", test_orders), &
-         new_unittest("longer-side", test_longer_side), &
-         new_unittest("spellings", test_spellings), &
-         new_unittest("missing", test_missing), &
-         new_unittest("rounded", test_rounded), &
-         new_unittest("unsuitable", test_unsuitable), &
-         new_unittest("broken-headers", test_broken), &
-         new_unittest("every-length", test_every_length), &
-         new_unittest("every-byte", test_every_byte), &
-         new_unittest("own-header", test_own_header), &
-         new_unittest("columns", test_columns), &
-         new_unittest("large", test_large)]
-   end subroutine collect_npy
+   subroutine suite_npy()
+      call test("floats", test_floats)
+      call test("integers", test_integers)
+      call test("versions", test_versions)
+      call test("orders", test_orders)
+      call test("longer-side", test_longer_side)
+      call test("spellings", test_spellings)
+      call test("missing", test_missing)
+      call test("rounded", test_rounded)
+      call test("unsuitable", test_unsuitable)
+      call test("broken-headers", test_broken)
+      call test("every-length", test_every_length)
+      call test("every-byte", test_every_byte)
+      call test("own-header", test_own_header)
+      call test("columns", test_columns)
+      call test("large", test_large)
+   end subroutine suite_npy
 
    !> Bytes of an integer, the lowest first or last.
    pure function stored(value, bytes, big) result(text)
@@ -82,26 +78,21 @@ contains
    end subroutine read_bytes_of
 
    !> The values that were read are exactly these.
-   subroutine check_values(error, content, expected, type_name)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_values(content, expected, type_name)
       character(*), intent(in) :: content
       real(dp), intent(in) :: expected(:)
       character(*), intent(in) :: type_name
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
 
       call read_bytes_of(content, reader_options(), record, failed)
-      call check(error, .not. allocated(failed), type_name//" is not read")
-      if (allocated(error)) return
+      if (went_wrong(failed, type_name//" is not read")) return
       call check(error, record%format//", "//record%stored_type, "npy, "//type_name)
-      call check(error, size(record%value), size(expected))
-      if (allocated(error)) return
+      if (unmet(size(record%value), size(expected))) return
       call check(error, all(abs(record%value(:, 1) - expected) <= 0.0_dp), type_name//" has other values")
    end subroutine check_values
 
    !> f2, f4, f8 in both orders: 1.5, -2, 0, 65504 (the largest of half precision), its smallest, a third rounded.
-   subroutine test_floats(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_floats()
       integer(int64), parameter :: two(6) = [15872, 49152, 0, 31743, 1, 13653]
       integer(int64), parameter :: four(6) = [1069547520_int64, 3221225472_int64, 0_int64, 1199562752_int64, 864026624_int64, &
                                               1051369472_int64]
@@ -122,7 +113,7 @@ contains
             content(3)(8*i - 7:8*i) = stored(eight(i), 8, big)
          end do
          do i = 1, 3
-            call check_values(error, npy(dictionary(merge(">", "<", big)//"f"//achar(48 + 2**i), .false., "(6,)"), &
+            call check_values(npy(dictionary(merge(">", "<", big)//"f"//achar(48 + 2**i), .false., "(6,)"), &
                                          content(i)(:6*2**i)), value, "float"//trim(merge("16", merge("32", "64", i == 2), &
                                             i == 1)) &
                               //trim(merge(" big endian", "           ", big)))
@@ -132,8 +123,7 @@ contains
    end subroutine test_floats
 
    !> i1 to i8, u1 to u8, b1 in both orders, with the ends of their ranges.
-   subroutine test_integers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_integers()
       character(:), allocatable :: content, descr, name
       real(dp) :: half
       integer(int64) :: pattern(4)
@@ -148,13 +138,13 @@ contains
                       //stored(pattern(4), bytes, k == 1)
             descr = merge(">", "<", k == 1)//"i"//achar(48 + bytes)
             name = "int"//trim(adjustl(text_of(8*bytes)))//trim(merge(" big endian", "           ", k == 1 .and. bytes > 1))
-            call check_values(error, npy(dictionary(descr, .false., "(4,)"), content), [1.0_dp, -1.0_dp, 100.0_dp, -half], name)
+            call check_values(npy(dictionary(descr, .false., "(4,)"), content), [1.0_dp, -1.0_dp, 100.0_dp, -half], name)
             descr(2:2) = "u"
-            call check_values(error, npy(dictionary(descr, .false., "(4,)"), content), &
+            call check_values(npy(dictionary(descr, .false., "(4,)"), content), &
                               [1.0_dp, 2*half - merge(1.0_dp, 0.0_dp, bytes < 8), 100.0_dp, half], "u"//name)
          end do
       end do
-      call check_values(error, npy(dictionary("|b1", .false., "(3,)"), char(1)//char(0)//char(1)), [1.0_dp, 0.0_dp, &
+      call check_values(npy(dictionary("|b1", .false., "(3,)"), char(1)//char(0)//char(1)), [1.0_dp, 0.0_dp, &
          1.0_dp], "bool")
    end subroutine test_integers
 
@@ -167,69 +157,57 @@ contains
    end function text_of
 
    !> Versions 1, 2 and 3; 4 is refused.
-   subroutine test_versions(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_versions()
       character(*), parameter :: says = "{'descr': '|i1', 'fortran_order': False, 'shape': (3,), }"
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: version
 
-      call check_values(error, npy(says, achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
+      call check_values(npy(says, achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
       do version = 2, 3
-         call check_values(error, npy_magic//achar(version)//achar(0)//stored(len(says, int64), 4, .false.)//says// &
+         call check_values(npy_magic//achar(version)//achar(0)//stored(len(says, int64), 4, .false.)//says// &
                            achar(3)//achar(2)//achar(1), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
       end do
       call read_bytes_of(npy_magic//achar(4)//achar(0)//stored(len(says, int64), 4, .false.)//says//"abc", reader_options(), &
                          record, failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
+      if (unmet(allocated(failed))) return
       call check(error, failed%code == status%not_supported .and. index(failed%message, "version 4.0") > 0, failed%message)
    end subroutine test_versions
 
    !> Rows together or columns together.
-   subroutine test_orders(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_orders()
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: k
 
       do k = 0, 1
          call read_bytes_of(npy(dictionary("|u1", k == 1, "(3, 2)"), merge("cfadbe", "cabfde", k == 0)), reader_options(), &
             record, &
                             failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          call check(error, all(nint(record%value) == reshape([99, 97, 98, 102, 100, 101], [3, 2])), "order "//text_of(k))
-         call check(error, .not. allocated(record%warnings), "a warning")
-         if (allocated(error)) return
+         if (unmet(.not. allocated(record%warnings), "a warning")) return
       end do
    end subroutine test_orders
 
    !> More columns than rows: the longer side is the time, and that is said; a single row is no question.
-   subroutine test_longer_side(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_longer_side()
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: k
 
       do k = 0, 1
          call read_bytes_of(npy(dictionary("|u1", k == 1, "(2, 3)"), merge("adbecf", "abcdef", k == 1)), reader_options(), &
             record, &
                             failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          call check(error, all(nint(record%value) == reshape([97, 98, 99, 100, 101, 102], [3, 2])), "order "//text_of(k))
          call check(error, index(record%warnings(1)%text, "(2, 3)") > 0 .and. index(record%warnings(1)%text, "longer side") > 0)
       end do
       call read_bytes_of(npy(dictionary("|u1", .false., "(1, 3)"), "abc"), reader_options(), record, failed)
-      call check(error, .not. allocated(failed) .and. .not. allocated(record%warnings))
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. .not. allocated(record%warnings))) return
       call check(error, all(nint(record%value(:, 1)) == [97, 98, 99]))
    end subroutine test_longer_side
 
    !> The dictionary in other spellings of Python.
-   subroutine test_spellings(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_spellings()
       character(80) :: says(5)
       integer :: i
 
@@ -239,15 +217,13 @@ contains
       says(4) = "{'fortran_order': True, 'descr': 'b', 'shape': ( 3 , ) , }"
       says(5) = "{'shape': (3, 1), 'descr': '>i1', 'fortran_order': False}"
       do i = 1, size(says)
-         call check_values(error, npy(says(i), achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
+         call check_values(npy(says(i), achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
       end do
    end subroutine test_spellings
 
    !> NaN, signalling ones too, and infinities are missing samples.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: content
       integer :: k
 
@@ -264,34 +240,28 @@ contains
                2, .false.))
          end select
          call read_bytes_of(content, reader_options(), record, failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          call check(error, record%audit%missing, 3_int64)
          call check(error, all(record%present(:, 1) == [0, 0, 0, 1]) .and. abs(record%value(4, 1) - 1) <= 0.0_dp)
       end do
    end subroutine test_missing
 
    !> Integers beyond 2^53 are told; those at it are not.
-   subroutine test_rounded(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_rounded()
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer(int64), parameter :: edge = 9007199254740992_int64
 
       call read_bytes_of(npy(dictionary("<i8", .false., "(3,)"), stored(edge, 8, .false.)//stored(-edge, 8, .false.)// &
                              stored(0_int64, 8, .false.)), reader_options(), record, failed)
-      call check(error, .not. allocated(failed) .and. .not. allocated(record%warnings))
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. .not. allocated(record%warnings))) return
       call read_bytes_of(npy(dictionary("<i8", .false., "(3,)"), stored(edge + 1, 8, .false.)//stored(-edge - 1, 8, .false.)// &
                              stored(0_int64, 8, .false.)), reader_options(), record, failed)
-      call check(error, .not. allocated(failed) .and. allocated(record%warnings))
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. allocated(record%warnings))) return
       call check(error, index(record%warnings(1)%text, "2 of the int64 values are beyond 2^53") > 0)
    end subroutine test_rounded
 
    !> Arrays that are no table of numbers: the message names the type and what to do.
-   subroutine test_unsuitable(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_unsuitable()
       character(32), parameter :: descr(13) = [character(32) :: "'<f16'", "'<g'", "'<c16'", "'|O'", "'|S5'", "'<U3'", "'|V8'", &
          "'<M8[us]'", "'<m8[s]'", "'<q9'", "[('a', '<f8'), ('b', '<i2')]", "''", "'<f3'"]
       character(12), parameter :: fragment(13) = [character(12) :: "long double", "long double", "complex", "object", "text", &
@@ -299,35 +269,31 @@ contains
       integer :: i
 
       do i = 1, size(descr)
-         call check_refusal(error, npy("{'descr': "//trim(descr(i))//", 'fortran_order': False, 'shape': (1,), }", &
+         call check_refusal(npy("{'descr': "//trim(descr(i))//", 'fortran_order': False, 'shape': (1,), }", &
             "12345678"), &
                             trim(fragment(i)))
       end do
-      call check_refusal(error, npy(dictionary("<f8", .false., "()"), "12345678"), "single number")
-      call check_refusal(error, npy(dictionary("<f8", .false., "(1, 1, 1)"), "12345678"), "3 dimensions")
-      call check_refusal(error, npy(dictionary("<f8", .false., "(2, 3, 4, 1)"), "12345678"), ", 2, 0).reshape(4, -1))")
-      call check_refusal(error, npy(dictionary("<f8", .false., "(0,)"), ""), "empty")
-      call check_refusal(error, npy(dictionary("<f8", .false., "(3, 0)"), ""), "empty")
+      call check_refusal(npy(dictionary("<f8", .false., "()"), "12345678"), "single number")
+      call check_refusal(npy(dictionary("<f8", .false., "(1, 1, 1)"), "12345678"), "3 dimensions")
+      call check_refusal(npy(dictionary("<f8", .false., "(2, 3, 4, 1)"), "12345678"), ", 2, 0).reshape(4, -1))")
+      call check_refusal(npy(dictionary("<f8", .false., "(0,)"), ""), "empty")
+      call check_refusal(npy(dictionary("<f8", .false., "(3, 0)"), ""), "empty")
    end subroutine test_unsuitable
 
    !> A file that has to be refused with this in the message.
-   subroutine check_refusal(error, content, fragment)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_refusal(content, fragment)
       character(*), intent(in) :: content, fragment
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
 
       call read_bytes_of(content, reader_options(), record, failed)
-      call check(error, allocated(failed), "not refused: "//fragment)
-      if (allocated(error)) return
+      if (unmet(allocated(failed), "not refused: "//fragment)) return
       call check(error, index(failed%message, fragment) > 0 .and. index(failed%message, &
          new_line("a")) > 0 .or. fragment == "empty", &
                  fragment//" is not in: "//failed%message)
    end subroutine check_refusal
 
    !> Headers that cannot be understood, or that promise another length: the message holds the byte.
-   subroutine test_broken(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_broken()
       character(90), parameter :: says(13) = [character(90) :: "", "{", "{'descr'", "{'descr': '<f8'}", &
          "{'descr': '<f8', 'descr': '<f8', 'fortran_order': False, 'shape': (1,)}", &
          "{'descr': '<f8', 'fortran_order': 0, 'shape': (1,)}", "{'descr': '<f8', 'fortran_order': False, 'shape': 1}", &
@@ -339,41 +305,36 @@ contains
       integer :: i
 
       do i = 1, size(says)
-         call check_refusal(error, npy(trim(says(i)), "12345678"), "byte ")
+         call check_refusal(npy(trim(says(i)), "12345678"), "byte ")
       end do
-      call check_refusal(error, npy(dictionary("<f8", .false., "(2,)"), "12345678"), &
+      call check_refusal(npy(dictionary("<f8", .false., "(2,)"), "12345678"), &
          "byte 76: the file ends here, the header's "// &
                          "shape (2,) of float64 needs 8 bytes more")
-      call check_refusal(error, npy(dictionary("<f8", .false., "(1,)"), "123456789"), "byte 76: the header's shape (1,) of "// &
+      call check_refusal(npy(dictionary("<f8", .false., "(1,)"), "123456789"), "byte 76: the header's shape (1,) of "// &
                          "float64 ends here, and 1 bytes follow")
-      call check_refusal(error, npy(dictionary("<f8", .false., "(999999999999999999, 999999999999999999)"), "12345678"), &
+      call check_refusal(npy(dictionary("<f8", .false., "(999999999999999999, 999999999999999999)"), "12345678"), &
          "larger")
    end subroutine test_broken
 
    !> Cut off at any byte, a file is refused.
-   subroutine test_every_length(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_every_length()
       character(:), allocatable :: whole
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: n
 
       whole = npy(dictionary("<f8", .false., "(3, 2)"), repeat("12345678", 6))
       do n = 0, len(whole) - 1
          call read_bytes_of(whole(:n), reader_options(), record, failed)
-         call check(error, allocated(failed), "not refused at byte "//text_of(n))
-         if (allocated(error)) return
+         if (unmet(allocated(failed), "not refused at byte "//text_of(n))) return
       end do
       call read_bytes_of(whole, reader_options(), record, failed)
       call check(error, .not. allocated(failed))
    end subroutine test_every_length
 
    !> With any bit of the header changed, a file is read or refused, never more than its bytes.
-   subroutine test_every_byte(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_every_byte()
       character(:), allocatable :: whole, changed
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: n, bit
 
       whole = npy(dictionary("<f8", .false., "(3, 2)"), repeat(achar(0), 48))
@@ -383,17 +344,14 @@ contains
             changed(n:n) = achar(ieor(iachar(whole(n:n)), 2**bit))
             call read_bytes_of(changed, reader_options(), record, failed)
             if (allocated(failed)) cycle
-            call check(error, size(record%value) <= 48, "byte "//text_of(n))
-            if (allocated(error)) return
+            if (unmet(size(record%value) <= 48, "byte "//text_of(n))) return
          end do
       end do
    end subroutine test_every_byte
 
    !> The header that this library writes is one that it reads, and the numbers begin at a multiple of 64.
-   subroutine test_own_header(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_own_header()
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: header
       integer(int64) :: columns
       integer :: order
@@ -404,19 +362,16 @@ contains
             call check(error, modulo(len(header), 64), 0)
             call read_bytes_of(header//repeat(achar(0), int(24*max(1_int64, columns))), &
                                reader_options(), record, failed)
-            call check(error, .not. allocated(failed))
-            if (allocated(error)) return
+            if (went_wrong(failed)) return
             call check(error, all(shape(record%value) == [3, max(1, int(columns))]))
          end do
       end do
    end subroutine test_own_header
 
    !> Columns and the time by number.
-   subroutine test_columns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_columns()
       type(reader_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: k
 
       options%columns = "3,2"
@@ -426,25 +381,21 @@ contains
          call read_bytes_of(npy(dictionary("|u1", k == 1, "(3, 3)"), merge("adgbehcfi", "abcdefghi", k == 0)), options, &
             record, &
                             failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          call check(error, all(nint(record%value) == reshape([103, 104, 105, 100, 101, 102], [3, 2])))
          call check(error, record%rate_source == "timestamps" .and. abs(record%sample_interval - 1) <= 0.0_dp)
       end do
       options%columns = "gx"
       call read_bytes_of(npy(dictionary("|u1", .false., "(3, 3)"), "abcdefghi"), options, record, failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
+      if (unmet(allocated(failed))) return
       call check(error, index(failed%message, "give numbers") > 0, failed%message)
    end subroutine test_columns
 
    !> More than a block and more than one thread's share, in both layouts; the last row of a column is its own.
-   subroutine test_large(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_large()
       integer, parameter :: rows = 300001
       character(:), allocatable :: content
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: i, j, k, at
 
       allocate (character(6*rows) :: content)
@@ -456,8 +407,7 @@ contains
             end do
          end do
          call read_bytes_of(npy(dictionary(">i2", k == 1, "(300001, 3)"), content), reader_options(), record, failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          do j = 1, 3
             call check(error, all(nint(record%value(:, j)) == [(modulo(i*j + 7*modulo(i, 3), 30011), i=1, rows)]), &
                        "column "//text_of(j))

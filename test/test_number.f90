@@ -4,15 +4,14 @@ module test_number
    use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_exceptions, only : ieee_flag_type, ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
       ieee_set_halting_mode, ieee_underflow
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type, test_failed
+   use expectations, only : unmet, test, error, check
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_quick_number, only : quick_number, quick_type
    use gyroakf_io_wide_power, only : int128, least_power, power, wide_power
    use gyroakf_io_number, only : scan_number, parse_number, is_missing_word, number, digits_ahead
    implicit none (type, external)
    private
-   public :: collect_number
+   public :: suite_number
 
    !> Characters of the longest number
    integer, parameter :: room = 900
@@ -41,30 +40,28 @@ module test_number
          character(kind=c_char), intent(in) :: name(*)
          type(c_ptr) :: set
       end function c_setlocale
+
    end interface
 
 contains
 
    !> Names the tests.
-   subroutine collect_number(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("written-numbers", test_written), &
-         new_unittest("refused-texts", test_refused), &
-         new_unittest("place-after", test_place), &
-         new_unittest("overflow-underflow", test_overflow), &
-         new_unittest("missing-words", test_missing), &
-         new_unittest("locale", test_locale), &
-         new_unittest("powers", test_powers), &
-         new_unittest("usual-forms", test_usual), &
-         new_unittest("random-plain", test_random_plain), &
-         new_unittest("random-exponent", test_random_exponent), &
-         new_unittest("random-subnormal", test_random_subnormal), &
-         new_unittest("random-halfway", test_random_halfway), &
-         new_unittest("random-shortest", test_random_shortest), &
-         new_unittest("random-long", test_random_long)]
-   end subroutine collect_number
+   subroutine suite_number()
+      call test("written-numbers", test_written)
+      call test("refused-texts", test_refused)
+      call test("place-after", test_place)
+      call test("overflow-underflow", test_overflow)
+      call test("missing-words", test_missing)
+      call test("locale", test_locale)
+      call test("powers", test_powers)
+      call test("usual-forms", test_usual)
+      call test("random-plain", test_random_plain)
+      call test("random-exponent", test_random_exponent)
+      call test("random-subnormal", test_random_subnormal)
+      call test("random-halfway", test_random_halfway)
+      call test("random-shortest", test_random_shortest)
+      call test("random-long", test_random_long)
+   end subroutine suite_number
 
    !> A random integer from 0 to n - 1, n <= 2^30.
    integer function draw(b, n)
@@ -150,8 +147,7 @@ contains
    end function same
 
    !> The 63 bits that the compiler computes are the first of the 126 that are checked against integers of any length.
-   subroutine test_powers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_powers()
       integer(int128) :: wide
       integer :: k
 
@@ -162,8 +158,7 @@ contains
    end subroutine test_powers
 
    !> Numbers of usual forms are read right, and nearly all of them without the careful path, though not all.
-   subroutine test_usual(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_usual()
       type(builder_type) :: b
       integer(int8) :: bytes(40 + digits_ahead)
       type(quick_type) :: quick
@@ -175,8 +170,7 @@ contains
 
       do i = 1, size(usual)
          call check(error, is_quick(usual(i)), "careful: "//usual(i))
-         call check(error, .not. is_quick(unusual(i)), "quick: "//unusual(i))
-         if (allocated(error)) return
+         if (unmet(.not. is_quick(unusual(i)), "quick: "//unusual(i))) return
       end do
       b%state = 77
       careful = 0
@@ -189,7 +183,7 @@ contains
          if (mod(i, 2) == 1) call add_digits(b, 18)
          if (mod(i, 2) == 1) call add(b, "e"//merge("-", "+", draw(b, 2) == 0)//achar(48 + draw(b, 10))//achar(48 + draw(b, 10)))
          if (.not. same(b)) then
-            call test_failed(error, b%text(:b%length))
+            call check(error, .false., b%text(:b%length))
             return
          end if
          bytes = 10_int8
@@ -226,8 +220,7 @@ contains
       call ieee_set_halting_mode(flags, halting)
    end function reference
 
-   subroutine test_written(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_written()
       character(24), parameter :: text(20) = [character(24) :: "0", "-0", "1", "+1", ".5", "5.", "1.5D-3", "1.5d3", "1e0", "1E+2", &
          "0.1", "123456789012345678", "9007199254740993", "1.7976931348623157e308", "2.2250738585072014e-308", "4.9e-324", &
          "0.00000001", "00012.5", "  7.25 ", "1e-5"]
@@ -245,8 +238,7 @@ contains
       end do
    end subroutine test_written
 
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       character(8), parameter :: text(17) = [character(8) :: "", "-", "+", ".", "-.", "e5", "1e", "1e+", "1d-", "0x10", "1,5", &
          "1.5.2", "1 2", "--1", "abc", "nan", "1.5f"]
       real(dp) :: value
@@ -258,8 +250,7 @@ contains
       end do
    end subroutine test_refused
 
-   subroutine test_place(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_place()
       character(*), parameter :: text = "12.5;-3e2x7e"
       integer(int8) :: bytes(len(text) + digits_ahead + 1)
       integer(int64) :: at
@@ -279,8 +270,7 @@ contains
       call check(error, at == 11 .and. found == number%none, "an exponent without digits")
    end subroutine test_place
 
-   subroutine test_overflow(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_overflow()
       real(dp) :: value
       integer :: found
 
@@ -296,8 +286,7 @@ contains
       call check(error, found == number%ok .and. value == 0.0_dp, "zero stays zero")
    end subroutine test_overflow
 
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       character(9), parameter :: yes(10) = [character(9) :: &
          "nan", "NaN", "-nan", "NA", "n/a", "inf", "-Inf", "+INFINITY", "null", "None"]
       character(9), parameter :: no(7) = [character(9) :: "", "-", "n", "nano", "in", "1", "infinit"]
@@ -312,8 +301,7 @@ contains
    end subroutine test_missing
 
    !> Where the German locale is installed strtod wants a comma; this reader does not care. (1 is LC_NUMERIC of Linux.)
-   subroutine test_locale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_locale()
       character(*), parameter :: tie = "9007199254740993.0000000000000000000000"
       logical :: german
       real(dp) :: value, plain
@@ -322,15 +310,13 @@ contains
       german = c_associated(c_setlocale(1_c_int, "de_DE.UTF-8"//c_null_char))
       plain = c_strtod("1.5"//c_null_char, c_null_ptr)
       call parse_number(tie, value, found)
-      call check(error, c_associated(c_setlocale(1_c_int, "C"//c_null_char)), "locale C")
-      if (allocated(error)) return
+      if (unmet(c_associated(c_setlocale(1_c_int, "C"//c_null_char)), "locale C")) return
       call check(error, (plain < 1.25_dp) .eqv. german, "strtod does not heed the locale")
       call check(error, found == number%ok .and. transfer(value, 1_int64) == transfer(9007199254740992.0_dp, 1_int64), tie)
    end subroutine test_locale
 
    !> As files have them: up to 20 digits before and 25 after the point.
-   subroutine test_random_plain(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_random_plain()
       type(builder_type) :: b
       integer :: i
 
@@ -341,14 +327,13 @@ contains
          if (draw(b, 8) > 0) call add(b, ".")
          if (b%text(b%length:b%length) == ".") call add_digits(b, draw(b, 26))
          if (same(b)) cycle
-         call test_failed(error, b%text(:b%length))
+         call check(error, .false., b%text(:b%length))
          return
       end do
    end subroutine test_random_plain
 
    !> 1 to 25 digits and an exponent anywhere in the range and beyond.
-   subroutine test_random_exponent(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_random_exponent()
       type(builder_type) :: b
       integer :: i
 
@@ -362,14 +347,13 @@ contains
          if (b%text(b%length:b%length) == "." .or. draw(b, 2) == 0) call add_digits(b, 1)
          if (scan(b%text(:b%length), "eE") == 0) call add_exponent(b, -345, 312)
          if (same(b)) cycle
-         call test_failed(error, b%text(:b%length))
+         call check(error, .false., b%text(:b%length))
          return
       end do
    end subroutine test_random_exponent
 
    !> Around the smallest normal number and below.
-   subroutine test_random_subnormal(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_random_subnormal()
       type(builder_type) :: b
       integer :: i
 
@@ -381,14 +365,13 @@ contains
          call add_digits(b, draw(b, 22))
          call add_exponent(b, -326, -305)
          if (same(b)) cycle
-         call test_failed(error, b%text(:b%length))
+         call check(error, .false., b%text(:b%length))
          return
       end do
    end subroutine test_random_subnormal
 
    !> Exactly between two numbers, and a little beside it: (2 m + 1)/2^k with a mantissa m of 53 bits.
-   subroutine test_random_halfway(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_random_halfway()
       type(builder_type) :: b
       integer(int64) :: odd
       integer :: i
@@ -403,7 +386,7 @@ contains
          call add(b, repeat("0", draw(b, 9))//"1")
          if (.not. same(b)) exit
       end do
-      if (i <= 60000) call test_failed(error, b%text(:b%length))
+      if (i <= 60000) call check(error, .false., b%text(:b%length))
    end subroutine test_random_halfway
 
    !> Appends whole/2^k with all of its decimal places.
@@ -434,8 +417,7 @@ contains
    end subroutine add_halved
 
    !> Random bits printed with 17 digits, which have to come back.
-   subroutine test_random_shortest(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_random_shortest()
       type(builder_type) :: b
       real(dp) :: value
       integer(int64) :: bits
@@ -450,14 +432,13 @@ contains
          b%text(:24) = adjustl(b%text(:24))
          b%length = len_trim(b%text(:24))
          if (same(b)) cycle
-         call test_failed(error, b%text(:b%length))
+         call check(error, .false., b%text(:b%length))
          return
       end do
    end subroutine test_random_shortest
 
    !> Hundreds of digits.
-   subroutine test_random_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_random_long()
       type(builder_type) :: b
       integer :: i
 
@@ -469,7 +450,7 @@ contains
          call add_digits(b, draw(b, 400))
          if (draw(b, 2) == 0) call add_exponent(b, -700, 300)
          if (same(b)) cycle
-         call test_failed(error, b%text(:b%length))
+         call check(error, .false., b%text(:b%length))
          return
       end do
    end subroutine test_random_long

@@ -2,90 +2,78 @@
 !> Tests of the outlier rules and of the order statistics beneath them.
 module test_outliers
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, mark_outliers, &
       & robust_centre
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_select, only : find_deviation, find_median
    use series_library, only : reference_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_outliers
+   public :: suite_outliers
 
    real(dp), parameter :: tolerance = 1.0e-14_dp
 
 contains
 
-   subroutine collect_outliers(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("median_by_hand", test_median_by_hand), &
-         & new_unittest("median_sorted", test_median_sorted), &
-         & new_unittest("median_missing", test_median_missing), &
-         & new_unittest("median_by_sample", test_median_by_sample), &
-         & new_unittest("deviation", test_deviation), &
-         & new_unittest("thresholds", test_thresholds), &
-         & new_unittest("robust", test_robust), &
-         & new_unittest("step", test_step), &
-         & new_unittest("marks", test_marks), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_outliers
+   subroutine suite_outliers()
+      call test("median_by_hand", test_median_by_hand)
+      call test("median_sorted", test_median_sorted)
+      call test("median_missing", test_median_missing)
+      call test("median_by_sample", test_median_by_sample)
+      call test("deviation", test_deviation)
+      call test("thresholds", test_thresholds)
+      call test("robust", test_robust)
+      call test("step", test_step)
+      call test("marks", test_marks)
+      call test("failures", test_failures)
+   end subroutine suite_outliers
 
    !> Odd, even, ties, both zeros, all negative, one, huge and tiny.
-   subroutine test_median_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call middle_is(error, [3.0_dp, -1.0_dp, 2.0_dp], 2.0_dp)
+   subroutine test_median_by_hand()
+      call middle_is([3.0_dp, -1.0_dp, 2.0_dp], 2.0_dp)
       if (allocated(error)) return
-      call middle_is(error, [3.0_dp, -1.0_dp, 2.0_dp, -0.0_dp], 1.0_dp)
+      call middle_is([3.0_dp, -1.0_dp, 2.0_dp, -0.0_dp], 1.0_dp)
       if (allocated(error)) return
-      call middle_is(error, [5.0_dp, 2.0_dp, 2.0_dp, 2.0_dp, 9.0_dp, 1.0_dp], 2.0_dp)
+      call middle_is([5.0_dp, 2.0_dp, 2.0_dp, 2.0_dp, 9.0_dp, 1.0_dp], 2.0_dp)
       if (allocated(error)) return
-      call middle_is(error, [-0.0_dp, 0.0_dp], 0.0_dp)
+      call middle_is([-0.0_dp, 0.0_dp], 0.0_dp)
       if (allocated(error)) return
-      call middle_is(error, [-3.0_dp, -1.0_dp, -2.0_dp, -9.0_dp], -2.5_dp)
+      call middle_is([-3.0_dp, -1.0_dp, -2.0_dp, -9.0_dp], -2.5_dp)
       if (allocated(error)) return
-      call middle_is(error, [7.0_dp], 7.0_dp)
+      call middle_is([7.0_dp], 7.0_dp)
       if (allocated(error)) return
-      call middle_is(error, [huge(1.0_dp), -huge(1.0_dp), tiny(1.0_dp)], tiny(1.0_dp))
+      call middle_is([huge(1.0_dp), -huge(1.0_dp), tiny(1.0_dp)], tiny(1.0_dp))
       if (allocated(error)) return
-      call middle_is(error, [huge(1.0_dp), huge(1.0_dp)], huge(1.0_dp))
+      call middle_is([huge(1.0_dp), huge(1.0_dp)], huge(1.0_dp))
    end subroutine test_median_by_hand
 
    !> Checks one median.
-   subroutine middle_is(error, x, expected)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine middle_is(x, expected)
       !> Series
       real(dp), intent(in), contiguous :: x(:)
       !> Its median
       real(dp), intent(in) :: expected
       real(dp) :: median
-      type(gyro_error), allocatable :: problem
 
       call find_median(x, median, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, median, expected, thr=tiny(median))
    end subroutine middle_is
 
    !> Rank by counting, for every length to 60 and one that is threaded.
-   subroutine test_median_sorted(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_median_sorted()
       real(dp), allocatable :: x(:)
       real(dp) :: median
       integer :: n, i
-      type(gyro_error), allocatable :: problem
 
       do i = 1, 61
          n = merge(70001, i, i == 61)
          x = reference_series("wn", n)
          if (mod(i, 3) == 0) x = anint(x)
          call find_median(x, median, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, 2*count(x < median) <= n .and. 2*count(x > median) <= n, "not in the middle")
          if (mod(n, 2) == 1) then
             call check(error, any(abs(x - median) <= 0.0_dp), "not one of the numbers")
@@ -98,12 +86,10 @@ contains
    end subroutine test_median_sorted
 
    !> Missing samples do not count.
-   subroutine test_median_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_median_missing()
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       real(dp) :: a, b
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("ar1", 5001)
       allocate (valid(size(x)), source=1_int8)
@@ -114,21 +100,17 @@ contains
       call check(error, a, b, thr=tiny(a))
       valid = 0_int8
       call find_median(x, b, problem, valid)
-      call check(error, allocated(problem), "nothing is present")
-      if (allocated(error)) return
-      call check(error, problem%code, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
    end subroutine test_median_missing
 
    !> A length at which a sample brackets the middle: uniform, with ties, all but one the same, and with a period that a sample at
    !> even distances would see only one number of; the rank by counting.
-   subroutine test_median_by_sample(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_median_by_sample()
       integer, parameter :: n = 600001
       real(dp), allocatable :: x(:)
       integer(int8), allocatable :: valid(:)
       real(dp) :: median, deviation
       integer :: i, j, half
-      type(gyro_error), allocatable :: problem
 
       allocate (valid(n), source=1_int8)
       do j = 1, 4
@@ -141,8 +123,7 @@ contains
          if (j > 2) valid(::3) = 0_int8
          half = count(valid /= 0_int8)/2
          call find_median(x, median, problem, valid)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, count(x < median .and. valid == 1) <= half .and. count(x > median .and. valid == 1) <= half, "median")
          call find_deviation(x, median, deviation, problem, valid)
          x = abs(x - median)
@@ -152,21 +133,16 @@ contains
    end subroutine test_median_by_sample
 
    !> 1 2 4 7 11 about 4: distances 3 2 0 3 7.
-   subroutine test_deviation(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_deviation()
       real(dp) :: deviation
-      type(gyro_error), allocatable :: problem
 
       call find_deviation([1.0_dp, 2.0_dp, 4.0_dp, 7.0_dp, 11.0_dp], 4.0_dp, deviation, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, deviation, 3.0_dp, thr=tolerance)
    end subroutine test_deviation
 
    !> The threshold that a tenth of a sample of n normal ones exceeds on average; the others are constants.
-   subroutine test_thresholds(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_thresholds()
       call check(error, default_threshold("auto", 1_int64), 1.6448536269514729_dp, thr=tolerance)
       call check(error, default_threshold("auto", 12000_int64), 4.456436336205555_dp, thr=tolerance)
       call check(error, default_threshold("auto", 100000000_int64), 6.1094102048693975_dp, thr=tolerance)
@@ -177,16 +153,13 @@ contains
 
    !> Of normal noise the scale is the standard deviation, to 3 of its errors 1.17/sqrt(n); 20 % of gross
    !> errors move it by a third, not by 1e6.
-   subroutine test_robust(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_robust()
       real(dp), allocatable :: x(:)
       real(dp) :: centre, scale
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn_bm", 20000)
       call robust_centre(x, centre, scale, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, scale, 1.0_dp, thr=0.025_dp)
       call check(error, centre, 0.0_dp, thr=0.027_dp)
       x(1::5) = 1.0e6_dp
@@ -195,8 +168,7 @@ contains
    end subroutine test_robust
 
    !> Smallest step between neighbors, not over a gap; 0 for a constant.
-   subroutine test_step(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_step()
       integer(int8) :: valid(5)
       real(dp) :: x(5), low, high, step
 
@@ -214,8 +186,7 @@ contains
    end subroutine test_step
 
    !> Strictly beyond the limit is marked, within is unmarked, missing stays.
-   subroutine test_marks(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_marks()
       integer(int8) :: valid(5), inlier(5)
       integer(int64) :: changed, removed
 
@@ -231,17 +202,11 @@ contains
    end subroutine test_marks
 
    !> An unknown method; the message names the others.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: problem
-
+   subroutine test_failures()
       call check_method("auto", problem)
-      call check(error, .not. allocated(problem), "auto was refused")
-      if (allocated(error)) return
+      if (went_wrong(problem, "auto was refused")) return
       call check_method("sigma", problem)
-      call check(error, allocated(problem), "an unknown method was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%invalid_argument)
+      call check_refused(problem, status%invalid_argument)
       call check(error, index(problem%message, "hampel") > 0, problem%message)
    end subroutine test_failures
 

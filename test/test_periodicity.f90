@@ -3,42 +3,37 @@
 module test_periodicity
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_random, only : random_type, seed_random, fill_normal
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
    use gyroakf_ar_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, &
       whiten_series, even_length
    use series_library, only : reference_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_periodicity
+   public :: suite_periodicity
 
    real(dp), parameter :: turn = 6.28318530717958647693_dp
 
 contains
 
-   subroutine collect_periodicity(testsuite)
-      !> Tests of this module
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("reference_sine", test_reference_sine), &
-         new_unittest("correlated", test_correlated), &
-         new_unittest("dominant", test_dominant), &
-         new_unittest("nothing_periodic", test_nothing_periodic), &
-         new_unittest("given_model", test_given_model), &
-         new_unittest("gaps", test_gaps), &
-         new_unittest("invariance", test_invariance), &
-         new_unittest("threads", test_threads), &
-         new_unittest("middle_part", test_middle_part), &
-         new_unittest("perfect_sinusoid", test_perfect), &
-         new_unittest("residuals", test_residuals), &
-         new_unittest("even_length", test_even_length), &
-         new_unittest("failures", test_failures)]
-   end subroutine collect_periodicity
+   subroutine suite_periodicity()
+      call test("reference_sine", test_reference_sine)
+      call test("correlated", test_correlated)
+      call test("dominant", test_dominant)
+      call test("nothing_periodic", test_nothing_periodic)
+      call test("given_model", test_given_model)
+      call test("gaps", test_gaps)
+      call test("invariance", test_invariance)
+      call test("threads", test_threads)
+      call test("middle_part", test_middle_part)
+      call test("perfect_sinusoid", test_perfect)
+      call test("residuals", test_residuals)
+      call test("even_length", test_even_length)
+      call test("failures", test_failures)
+   end subroutine suite_periodicity
 
    !> Noise of a seed, of unit variance, through an AR(1), and a sinusoid.
    subroutine make(seed, n, phi, frequency, amplitude, x)
@@ -66,22 +61,17 @@ contains
    end function near
 
    !> The reference series with amplitude 0.3 at a twentieth of the rate.
-   subroutine test_reference_sine(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference_sine()
       type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
 
       call analyse_periodicity(reference_series("sine", 12000), periodicity_options(), p, problem)
-      call check(error, .not. allocated(problem))
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, p%fisher%p_value < 1.0e-90_dp .and. near(p, 0.05_dp))
    end subroutine test_reference_sine
 
    !> In AR(1) noise the residuals are tested.
-   subroutine test_correlated(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_correlated()
       type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       call make(3, 6000, 0.95_dp, 0.02_dp, 1.0_dp, x)
@@ -92,11 +82,9 @@ contains
 
    !> A sinusoid 20 to 80 dB over the noise, on an ordinate and half way between two: AR(3) would predict
    !> it.
-   subroutine test_dominant(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_dominant()
       real(dp), parameter :: frequency(4) = [0.21_dp, 0.210125_dp, 0.0725_dp, 0.4333_dp]
       type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: i, j
 
@@ -112,19 +100,16 @@ contains
 
    !> White, correlated, drifting, coarsely quantized noise: nothing is significant, and the residuals are
    !> tested where the noise is correlated.
-   subroutine test_nothing_periodic(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing_periodic()
       character(8), parameter :: names(6) = [character(8) :: "wn", "wn_bm", "rw", "ar1", "ar1_99", "ar2"]
       type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: i
 
       do i = 1, size(names)
          x = reference_series(trim(names(i)), 12000)
          call analyse_periodicity(x, periodicity_options(), p, problem)
-         call check(error, .not. allocated(problem), names(i))
-         if (allocated(error)) return
+         if (went_wrong(problem, names(i))) return
          call check(error, p%fisher%p_value > 0.01_dp, names(i))
          call check(error, p%order >= 1 .or. names(i)(:2) == "wn", names(i))
       end do
@@ -134,12 +119,10 @@ contains
    end subroutine test_nothing_periodic
 
    !> The test of the residuals of a given model, which is not fitted again.
-   subroutine test_given_model(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_given_model()
       type(ar_model_type) :: model
       type(periodicity_type) :: p
       type(fisher_type) :: fisher
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:), white(:)
       integer(int8), allocatable :: here(:)
 
@@ -155,10 +138,8 @@ contains
    end subroutine test_given_model
 
    !> Through 30 % of missing samples; their values do not matter.
-   subroutine test_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps()
       type(periodicity_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:), uniform(:)
       integer(int8), allocatable :: valid(:)
 
@@ -181,10 +162,8 @@ contains
    end subroutine test_gaps
 
    !> Offset 1e6 under a signal of 1e-3; scale.
-   subroutine test_invariance(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_invariance()
       type(periodicity_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       call make(9, 3000, 0.5_dp, 0.11_dp, 0.5_dp, x)
@@ -196,10 +175,8 @@ contains
    end subroutine test_invariance
 
    !> The same on one thread and on two.
-   subroutine test_threads(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_threads()
       type(periodicity_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: before
 
@@ -210,17 +187,14 @@ contains
       call set_thread_count(2)
       if (.not. allocated(problem)) call analyse_periodicity(x, periodicity_options(), b, problem)
       call set_thread_count(before)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
    end subroutine test_threads
 
    !> At most so many samples of the middle, of the residuals and of the series.
-   subroutine test_middle_part(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_middle_part()
       type(periodicity_type) :: a, b
       type(periodicity_options) :: options
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       call make(10, 6000, 0.5_dp, 0.11_dp, 1.0_dp, x)
@@ -239,70 +213,57 @@ contains
    end subroutine test_middle_part
 
    !> Without noise: the sinusoid, and not its rounding.
-   subroutine test_perfect(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_perfect()
       type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
       real(dp) :: x(1000)
       integer :: t
 
       x = [(2*cos(turn*0.1234_dp*t), t=0, 999)]
       call analyse_periodicity(x, periodicity_options(), p, problem)
-      call check(error, .not. allocated(problem) .and. p%order == 0)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(problem) .and. p%order == 0)) return
       call check(error, p%fisher%frequency, 0.123_dp, thr=1.0e-12_dp)
    end subroutine test_perfect
 
    !> Residuals by hand; one missing sample takes p + 1 of them.
-   subroutine test_residuals(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_residuals()
       real(dp), allocatable :: e(:)
       integer(int8), allocatable :: here(:)
-      type(gyro_error), allocatable :: problem
 
       call whiten_series([1.0_dp, 2.0_dp, 4.0_dp, 8.0_dp, 16.0_dp], 1.0_dp, [0.5_dp, 2.0_dp], e, here, problem)
-      call check(error, all(abs(e - [2.5_dp, 3.5_dp, 5.5_dp]) < 1.0e-15_dp) .and. .not. allocated(here))
-      if (allocated(error)) return
+      if (unmet(all(abs(e - [2.5_dp, 3.5_dp, 5.5_dp]) < 1.0e-15_dp) .and. .not. allocated(here))) return
       call whiten_series([1.0_dp, 2.0_dp, 4.0_dp, 8.0_dp, 16.0_dp], 1.0_dp, [0.5_dp, 2.0_dp], e, here, problem, &
                          [0_int8, 1_int8, 1_int8, 1_int8, 1_int8])
       call check(error, all(here == [0_int8, 1_int8, 1_int8]) .and. abs(e(2) - 3.5_dp) < 1.0e-15_dp)
       call whiten_series([1.0_dp, 2.0_dp], 1.0_dp, [0.5_dp, 2.0_dp], e, here, problem)
-      call check(error, allocated(problem), "nothing left")
-      if (allocated(error)) return
-      call check(error, problem%code, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
    end subroutine test_residuals
 
    !> Lengths that the transform likes.
-   subroutine test_even_length(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_even_length()
       call check(error, all([even_length(1048577_int64), even_length(100003_int64), even_length(7_int64), even_length(34_int64)] &
                             == [1048576_int64, 100000_int64, 6_int64, 32_int64]))
    end subroutine test_even_length
 
    !> Too short, or the residuals are; constant.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(periodicity_options) :: options
       real(dp), allocatable :: x(:), flat(:)
 
       x = reference_series("wn", 100)
       flat = 0*x + 0.1_dp
       options%ar%order = 1
-      call expect(x(:31), options, status%too_few_samples, error)
-      if (.not. allocated(error)) call expect(x(:32), options, status%too_few_samples, error)
-      if (.not. allocated(error)) call expect(x(:33), options, status%ok, error)
-      if (.not. allocated(error)) call expect(flat, options, status%constant_input, error)
+      call expect(x(:31), options, status%too_few_samples)
+      if (.not. allocated(error)) call expect(x(:32), options, status%too_few_samples)
+      if (.not. allocated(error)) call expect(x(:33), options, status%ok)
+      if (.not. allocated(error)) call expect(flat, options, status%constant_input)
    end subroutine test_failures
 
    !> The status of one call.
-   subroutine expect(x, options, code, error)
+   subroutine expect(x, options, code)
       real(dp), intent(in) :: x(:)
       type(periodicity_options), intent(in) :: options
       integer, intent(in) :: code
-      type(error_type), allocatable, intent(out) :: error
       type(periodicity_type) :: p
-      type(gyro_error), allocatable :: problem
       integer :: got
 
       call analyse_periodicity(x, options, p, problem)

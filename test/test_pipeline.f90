@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The main job from a record to results: the example of the paper, presets, gaps, outliers, what is kept.
 module test_pipeline
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
@@ -20,37 +19,33 @@ module test_pipeline
    use pipeline_runs, only : paper_record, run, says, variance
    implicit none (type, external)
    private
-   public :: collect_pipeline
+   public :: suite_pipeline
 
 contains
 
    !> Names the tests.
-   subroutine collect_pipeline(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("example", test_example), &
-         new_unittest("example-coefficients", test_example_coefficients), &
-         new_unittest("paper-preset", test_paper_preset), &
-         new_unittest("paper-chain", test_paper_chain), &
-         new_unittest("misfit", test_misfit), &
-         new_unittest("threads", test_threads), &
-         new_unittest("missing-few", test_missing_few), &
-         new_unittest("missing-many", test_missing_many), &
-         new_unittest("reduction", test_reduction), &
-         new_unittest("channels", test_channels), &
-         new_unittest("outlier-times", test_outlier_times), &
-         new_unittest("changed-noise", test_changed_noise), &
-         new_unittest("raw", test_raw), &
-         new_unittest("tested", test_tested), &
-         new_unittest("single-rooms", test_single_rooms), &
-         new_unittest("series", test_series), &
-         new_unittest("differences", test_differences)]
-   end subroutine collect_pipeline
+   subroutine suite_pipeline()
+      call test("example", test_example)
+      call test("example-coefficients", test_example_coefficients)
+      call test("paper-preset", test_paper_preset)
+      call test("paper-chain", test_paper_chain)
+      call test("misfit", test_misfit)
+      call test("threads", test_threads)
+      call test("missing-few", test_missing_few)
+      call test("missing-many", test_missing_many)
+      call test("reduction", test_reduction)
+      call test("channels", test_channels)
+      call test("outlier-times", test_outlier_times)
+      call test("changed-noise", test_changed_noise)
+      call test("raw", test_raw)
+      call test("tested", test_tested)
+      call test("single-rooms", test_single_rooms)
+      call test("series", test_series)
+      call test("differences", test_differences)
+   end subroutine suite_pipeline
 
    !> What the example record must give: Table I and II of the paper.
-   subroutine test_example(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_example()
       type(record_type) :: record
       type(pipeline_result_type) :: result
 
@@ -65,15 +60,13 @@ contains
          call check(error, c%akf%variance < c%kf%variance .and. c%akf%variance > 0)
          call check(error, c%predictable_percent, 100*c%ar%coefficient(1)**2, thr=1.0e-9_dp)
          ! the cubic of the record passes for a slow random walk, its AR(1) is too fast to be drift
-         call check(error, c%available%drift .and. c%drift%found .and. .not. allocated(c%unavailable))
-         if (allocated(error)) return
+         if (unmet(c%available%drift .and. c%drift%found .and. .not. allocated(c%unavailable))) return
          call check(error, c%drift%name == "walk+ar1" .and. .not. c%drift%slow(1) .and. c%drift%slow(2), "its drift")
       end associate
    end subroutine test_example
 
    !> No coefficient is negative or NaN; N is that of the AR(1), sqrt(var t0 (1 + phi)/(1 - phi)) = 0.95 deg/sqrt(h).
-   subroutine test_example_coefficients(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_example_coefficients()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       integer :: which, term
@@ -98,32 +91,26 @@ contains
    end subroutine test_example_coefficients
 
    !> Pauta's 3 sigma removes good samples too: 39 of 12000 in the mean, and the order is never 0.
-   subroutine test_paper_preset(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_paper_preset()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
-      type(gyro_error), allocatable :: failed
 
       call apply_preset("paper", options, failed)
-      call check(error, .not. allocated(failed) .and. options%design%forgetting == 0.98_dp)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. options%design%forgetting == 0.98_dp)) return
       call paper_record(record)
       call check(error, run(record, result, options))
       associate (c => result%channel(1))
          call check(error, c%clean%removed > 20 .and. c%clean%removed < 90 .and. c%clean%threshold == 3.0_dp)
-         call check(error, c%ar%order >= 1 .and. size(c%ar%table) == 4)
-         if (allocated(error)) return
+         if (unmet(c%ar%order >= 1 .and. size(c%ar%table) == 4)) return
       end associate
       call apply_preset("papier", options, failed)
       call check(error, allocated(failed))
    end subroutine test_paper_preset
 
    !> Every setting of the paper by its name, whatever the options were before
-   subroutine test_paper_chain(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_paper_chain()
       type(pipeline_options) :: o
-      type(gyro_error), allocatable :: failed
 
       o%clean%method = "mad"
       o%clean%threshold = 9.0_dp
@@ -152,16 +139,14 @@ contains
       if (.not. allocated(error)) call check(error, o%design%estimate, " ", "the form's own: Q and R are adapted")
       if (.not. allocated(error)) call check(error, o%design%forgetting, 0.98_dp, "b")
       if (.not. allocated(error)) call check(error, o%design%huber, 0.0_dp, "no gate")
-      if (.not. allocated(error)) call check_paper_start(o, error)
+      if (.not. allocated(error)) call check_paper_start(o)
    end subroutine test_paper_chain
 
    !> The filters that these options give start from Q = sigma_a^2, R = P = Var(z), x = 0
-   subroutine check_paper_start(o, error)
+   subroutine check_paper_start(o)
       type(pipeline_options), intent(in) :: o
-      type(error_type), allocatable, intent(out) :: error
       type(ar_model_type) :: model
       type(filter_type) :: kf, akf
-      type(gyro_error), allocatable :: failed
       real(dp), parameter :: phi = 0.409975_dp, variance = 5.24e-4_dp
 
       model%order = 1
@@ -184,12 +169,10 @@ contains
    end subroutine check_paper_start
 
    !> Two threads give the same numbers as one.
-   subroutine test_threads(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_threads()
       type(record_type) :: record
       type(pipeline_result_type) :: result(2)
       type(simulate_options) :: options
-      type(gyro_error), allocatable :: failed
       logical :: done(2)
       integer :: threads, before, which
 
@@ -226,14 +209,12 @@ contains
    end function figures
 
    !> Coefficients with samples lost against those of the whole record: within one standard error.
-   subroutine compare_missing(share, error)
+   subroutine compare_missing(share)
       real(dp), intent(in) :: share
-      type(error_type), allocatable, intent(out) :: error
       type(simulate_options) :: options
       type(record_type) :: whole, holes
       type(pipeline_result_type) :: a, b
       type(pipeline_options) :: only_allan
-      type(gyro_error), allocatable :: failed
       integer :: term
 
       options%samples = 20000
@@ -254,21 +235,16 @@ contains
       end do
    end subroutine compare_missing
 
-   subroutine test_missing_few(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare_missing(0.003_dp, error)
+   subroutine test_missing_few()
+      call compare_missing(0.003_dp)
    end subroutine test_missing_few
 
-   subroutine test_missing_many(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare_missing(0.05_dp, error)
+   subroutine test_missing_many()
+      call compare_missing(0.05_dp)
    end subroutine test_missing_many
 
    !> What the adaptive filter leaves of a coefficient: of 10, 4 is 60 % less; an upper limit of 2 at least 80 %; 11 says nothing.
-   subroutine test_reduction(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reduction()
       type(channel_result_type) :: channel
 
       allocate (channel%allan(6))
@@ -287,8 +263,7 @@ contains
    end subroutine test_reduction
 
    !> Two channels give what each of them gives alone.
-   subroutine test_channels(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_channels()
       type(record_type) :: record, one
       type(pipeline_result_type) :: both, alone
       real(dp), allocatable :: x(:, :)
@@ -303,15 +278,13 @@ contains
       record%channel(2)%text = "gy"
       one%value = x(:, 2:2)
       call check(error, run(record, both) .and. run(one, alone))
-      call check(error, both%channel(2)%name == "gy" .and. size(both%channel) == 2)
-      if (allocated(error)) return
+      if (unmet(both%channel(2)%name == "gy" .and. size(both%channel) == 2)) return
       call check(error, all(abs(figures(both%channel(2)) - figures(alone%channel(1))) <= 0))
    end subroutine test_channels
 
    !> The curve named input is that of all samples that the file has; the cleaned one is that without the outliers, with a trend
    !> removed or not.
-   subroutine test_raw(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_raw()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(pipeline_options) :: options
@@ -329,8 +302,7 @@ contains
       do degree = -1, 1, 2
          options%clean%degree = degree
          call run_pipeline(record, options, result, failure)
-         call check(error, .not. allocated(failure), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(failure)) return
          associate (c => result%channel(1))
             call check(error, c%clean%removed >= 40 .and. c%available%cleaned, "outliers")
             call compute_allan(record%value(:, 1), record%sample_interval, options%allan, curve, failure, record%present(:, 1))
@@ -346,8 +318,7 @@ contains
    end subroutine test_raw
 
    !> 2 % of outliers: the warning names the first times.
-   subroutine test_outlier_times(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_outlier_times()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       integer :: i
@@ -358,15 +329,13 @@ contains
          record%value(50*i, 1) = 2.0_dp*(-1)**i
       end do
       call check(error, run(record, result))
-      call check(error, allocated(result%channel(1)%warnings))
-      if (allocated(error)) return
+      if (unmet(allocated(result%channel(1)%warnings))) return
       call check(error, index(result%channel(1)%warnings(1)%text, "% of the samples") > 0 .and. &
                  index(result%channel(1)%warnings(1)%text, "at 9.8, 19.8, 29.8") > 0)
    end subroutine test_outlier_times
 
    !> The second half has twice the noise of the first: a warning says so; of the record as it is nothing is said.
-   subroutine test_changed_noise(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_changed_noise()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       integer :: i, half
@@ -389,13 +358,11 @@ contains
    end subroutine test_changed_noise
 
    !> AR noise is no sum of the five terms, and the result says so; white noise is, and nothing is said.
-   subroutine test_misfit(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_misfit()
       type(record_type) :: record
       type(simulate_options) :: options
       type(pipeline_options) :: analysis
       type(pipeline_result_type) :: result
-      type(gyro_error), allocatable :: failed
 
       call paper_record(record)
       call check(error, run(record, result))
@@ -410,8 +377,7 @@ contains
    end subroutine test_misfit
 
    !> The rooms that a single command switches off have no result.
-   subroutine test_single_rooms(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_single_rooms()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
@@ -434,8 +400,7 @@ contains
    end subroutine test_single_rooms
 
    !> The series that are kept have the variances that are reported; outliers are marked in the mask.
-   subroutine test_series(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_series()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
@@ -449,8 +414,7 @@ contains
       associate (c => result%channel(1))
          there = c%series_present /= 0
          n = count(there)
-         call check(error, size(there) == 12000 .and. n == 12000 - c%clean%removed)
-         if (allocated(error)) return
+         if (unmet(size(there) == 12000 .and. n == 12000 - c%clean%removed)) return
          call check(error, .not. any(there(c%clean%outlier)))
          call check(error, variance(pack(c%series_cleaned, there)), c%cleaned%variance, thr=1.0e-10_dp, rel=.true.)
          call check(error, variance(pack(c%series_kf, there)), c%kf%variance, thr=1.0e-10_dp, rel=.true.)
@@ -459,8 +423,7 @@ contains
    end subroutine test_series
 
    !> By hand: differences 1, 2, 3, their variance 1; without the pair at a gap; too few.
-   subroutine test_differences(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_differences()
       real(dp), parameter :: x(5) = [0.0_dp, 1.0_dp, 3.0_dp, 6.0_dp, 100.0_dp]
       real(dp) :: long(200001)
       integer :: i
@@ -476,8 +439,7 @@ contains
    end subroutine test_differences
 
    !> The record is tested with its trend, whatever the AR model and the filters take; the paper tests the cleaned series.
-   subroutine test_tested(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_tested()
       type(record_type) :: record
       type(pipeline_result_type) :: level, plain, paper
       type(pipeline_options) :: options

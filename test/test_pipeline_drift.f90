@@ -1,39 +1,32 @@
 ! SPDX-License-Identifier: MIT
 !> The main job over records that drift: the model, its filters, what is left, what is stated of them.
 module test_pipeline_drift
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : record_type
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, stage
    use pipeline_runs, only : paper_record, run, variance, walking_record
    implicit none (type, external)
    private
-   public :: collect_pipeline_drift
+   public :: suite_pipeline_drift
 
 contains
 
    !> Names the tests.
-   subroutine collect_pipeline_drift(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("drift", test_drift), &
-         new_unittest("walk-stated", test_walk_stated), &
-         new_unittest("compensated", test_compensated), &
-         new_unittest("stated-figures", test_stated_figures), &
-         new_unittest("drift-options", test_drift_options)]
-   end subroutine collect_pipeline_drift
+   subroutine suite_pipeline_drift()
+      call test("drift", test_drift)
+      call test("walk-stated", test_walk_stated)
+      call test("compensated", test_compensated)
+      call test("stated-figures", test_stated_figures)
+      call test("drift-options", test_drift_options)
+   end subroutine suite_pipeline_drift
 
    !> A drift under white noise is found, with its correlation time: AR(1) of 0.99 at 10 Hz is 9.95 s.
-   subroutine test_drift(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_drift()
       type(simulate_options) :: options
       type(record_type) :: record
       type(pipeline_result_type) :: result
-      type(gyro_error), allocatable :: failed
 
       options%samples = 20000
       options%rate_hz = 10
@@ -62,15 +55,13 @@ contains
 
    !> K of the drift model is stated beside a random walk; not beside flicker, whose approximation it is, nor where innovations are
    !> not white.
-   subroutine test_walk_stated(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_walk_stated()
       !> N, B, K, a vibration
       real(dp), parameter :: truth(4, 3) = reshape([0.3_dp, 0.0_dp, 0.02_dp, 0.0_dp, 0.3_dp, 0.1_dp, 0.0_dp, 0.0_dp, &
                                                     0.05_dp, 0.02_dp, 0.02_dp, 2.0_dp], [4, 3])
       type(simulate_options) :: options
       type(record_type) :: record
       type(pipeline_result_type) :: result
-      type(gyro_error), allocatable :: failed
       integer :: i
 
       options%samples = 30000
@@ -81,11 +72,9 @@ contains
          call simulate_record(options, record, failed)
          call check(error, run(record, result), "it fails")
          associate (c => result%channel(1))
-            call check(error, allocated(c%drift_process) .and. (i == 2 .or. c%drift%found), c%verdict%drift)
-            if (allocated(error)) return
+            if (unmet(allocated(c%drift_process) .and. (i == 2 .or. c%drift%found), c%verdict%drift)) return
             call check(error, any(c%drift_process%k%detected) .eqv. i == 1, "stated")
-            call check(error, allocated(c%drift_doubt) .or. i < 3, "doubt")
-            if (allocated(error)) return
+            if (unmet(allocated(c%drift_doubt) .or. i < 3, "doubt")) return
             if (i == 1) call check(error, .not. allocated(c%drift_doubt))
             if (allocated(error)) return
          end associate
@@ -93,12 +82,10 @@ contains
    end subroutine test_walk_stated
 
    !> Shares of variances, and the correlation time of a process.
-   subroutine test_stated_figures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_stated_figures()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(simulate_options) :: options
-      type(gyro_error), allocatable :: failed
 
       options%samples = 6000
       options%rate_hz = 10
@@ -110,16 +97,14 @@ contains
       associate (c => result%channel(1))
          call check(error, c%kf_figures%variance_ratio, c%kf%variance/c%cleaned%variance, thr=1.0e-14_dp, rel=.true.)
          call check(error, c%akf_figures%raw_variance_ratio, c%akf%variance/c%raw%variance, thr=1.0e-14_dp, rel=.true.)
-         call check(error, c%drift%found .and. size(c%drift_process) == 1, "one process")
-         if (allocated(error)) return
+         if (unmet(c%drift%found .and. size(c%drift_process) == 1, "one process")) return
          call check(error, .not. c%drift_process(1)%walk, "a correlated process")
          call check(error, c%drift_process(1)%time, -0.1_dp/log(c%drift%model%phi(1)), thr=1.0e-14_dp, rel=.true.)
       end associate
    end subroutine test_stated_figures
 
    !> What is left without the smoothed drift: raw is drift and compensated; the white noise of 0.0316; no random walk any more.
-   subroutine test_compensated(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_compensated()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(pipeline_options) :: options
@@ -155,8 +140,7 @@ contains
    end subroutine test_compensated
 
    !> The limit of what is drift.
-   subroutine test_drift_options(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_drift_options()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(pipeline_options) :: options

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> The main job where little is known, or little is there: units, huge and tiny numbers, constants, short records, failing channels.
 module test_pipeline_limits
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_record, only : record_type
    use gyroakf_units, only : parse_unit
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
@@ -12,35 +11,30 @@ module test_pipeline_limits
    use pipeline_runs, only : paper_record, run
    implicit none (type, external)
    private
-   public :: collect_pipeline_limits
+   public :: suite_pipeline_limits
 
 contains
 
    !> Names the tests.
-   subroutine collect_pipeline_limits(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("one-channel-fails", test_one_channel_fails), &
-         new_unittest("nothing-known", test_nothing_known), &
-         new_unittest("units", test_units), &
-         new_unittest("offset", test_offset), &
-         new_unittest("tiny-huge", test_tiny_huge), &
-         new_unittest("constant", test_constant), &
-         new_unittest("white", test_white), &
-         new_unittest("too-short", test_too_short), &
-         new_unittest("short", test_short), &
-         new_unittest("few-orders", test_few_orders)]
-   end subroutine collect_pipeline_limits
+   subroutine suite_pipeline_limits()
+      call test("one-channel-fails", test_one_channel_fails)
+      call test("nothing-known", test_nothing_known)
+      call test("units", test_units)
+      call test("offset", test_offset)
+      call test("tiny-huge", test_tiny_huge)
+      call test("constant", test_constant)
+      call test("white", test_white)
+      call test("too-short", test_too_short)
+      call test("short", test_short)
+      call test("few-orders", test_few_orders)
+   end subroutine suite_pipeline_limits
 
    !> A channel whose squares vanish cannot be filtered: the others are done all the same. What fails everywhere is a wrong option.
-   subroutine test_one_channel_fails(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_one_channel_fails()
       type(record_type) :: record
       type(simulate_options) :: simulated
       type(pipeline_result_type) :: result
       type(pipeline_options) :: options
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(2000)
       integer :: broken
 
@@ -61,10 +55,8 @@ contains
          call check(error, run(record, result, options), "a channel ends all of them")
          call check(error, all(result%channel%available%drift_smoother .eqv. [1, 2, 3] /= broken), "the others are whole")
          associate (c => result%channel(broken))
-            call check(error, allocated(c%unavailable) .and. allocated(c%series_cleaned) .and. .not. c%available%akf, "it says why")
-            if (allocated(error)) return
-            call check(error, index(c%unavailable(size(c%unavailable))%text, "the rest of the analysis: ") == 1)
-            if (allocated(error)) return
+            if (unmet(allocated(c%unavailable) .and. allocated(c%series_cleaned) .and. .not. c%available%akf, "it says why")) return
+            if (unmet(index(c%unavailable(size(c%unavailable))%text, "the rest of the analysis: ") == 1)) return
          end associate
       end do
       record%value = spread(x, 2, 3)
@@ -73,13 +65,11 @@ contains
    end subroutine test_one_channel_fails
 
    !> Values as small and as large as they may be: everything scales with them.
-   subroutine test_tiny_huge(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_tiny_huge()
       integer, parameter :: powers(*) = [-460, -330, 190]
       type(record_type) :: record
       type(simulate_options) :: options
       type(pipeline_result_type) :: result, expected
-      type(gyro_error), allocatable :: failed
       real(dp) :: x(3000, 1)
       integer :: k
 
@@ -90,15 +80,12 @@ contains
       options%ar_variance = 1.0e-3_dp
       call simulate_record(options, record, failed)
       x = record%value
-      call check(error, run(record, expected))
-      if (allocated(error)) return
+      if (unmet(run(record, expected))) return
       do k = 1, size(powers)
          record%value = scale(x, powers(k))
-         call check(error, run(record, result))
-         if (allocated(error)) return
+         if (unmet(run(record, result))) return
          associate (a => result%channel(1), b => expected%channel(1), back => 0.5_dp**powers(k))
-            call check(error, allocated(a%unavailable) .eqv. allocated(b%unavailable), "what cannot be done")
-            if (allocated(error)) return
+            if (unmet(allocated(a%unavailable) .eqv. allocated(b%unavailable), "what cannot be done")) return
             call check(error, near(a%adf%statistic, b%adf%statistic) .and. near(a%cleaned%kurtosis, b%cleaned%kurtosis) .and. &
                        near(a%ar%coefficient(1), b%ar%coefficient(1)) .and. near(a%akf%nis_mean, b%akf%nis_mean), "numbers")
             call check(error, near(a%halves%statistic, b%halves%statistic) .and. near(a%drift%model%phi(1), b%drift%model%phi(1)) &
@@ -108,7 +95,6 @@ contains
             call check(error, near(a%allan(stage%input)%stated%term(2)%value*back, b%allan(stage%input)%stated%term(2)%value) &
                        .and. near(a%allan(stage%input)%stated%term(2)%std_error*back, &
                                   b%allan(stage%input)%stated%term(2)%std_error), "coefficients")
-            if (allocated(error)) return
          end associate
       end do
 
@@ -119,11 +105,11 @@ contains
 
          near = abs(x - y) <= 1.0e-6_dp*abs(y)
       end function near
+
    end subroutine test_tiny_huge
 
    !> Neither rate nor unit: the whole job, per sample and in input units.
-   subroutine test_nothing_known(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing_known()
       type(record_type) :: record, known
       type(pipeline_result_type) :: a, b
 
@@ -144,11 +130,9 @@ contains
    end subroutine test_nothing_known
 
    !> rad/s instead of deg/s: the same coefficients.
-   subroutine test_units(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_units()
       type(record_type) :: degrees, radians
       type(pipeline_result_type) :: a, b
-      type(gyro_error), allocatable :: failed
 
       call paper_record(degrees)
       radians = degrees
@@ -163,8 +147,7 @@ contains
    end subroutine test_units
 
    !> A record taken as it is, with a mean of thousands of standard deviations: the filters see it without the mean.
-   subroutine test_offset(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset()
       type(record_type) :: record
       type(pipeline_options) :: as_is
       type(pipeline_result_type) :: a, b
@@ -181,8 +164,7 @@ contains
    end subroutine test_offset
 
    !> A channel without variance: its rooms are named, the other channel goes on.
-   subroutine test_constant(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_constant()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       real(dp), allocatable :: x(:, :)
@@ -194,19 +176,16 @@ contains
       record%value = x
       record%channel = [record%channel(1), record%channel(1)]
       call check(error, run(record, result))
-      call check(error, allocated(result%channel(1)%unavailable) .and. .not. result%channel(1)%available%ar)
-      if (allocated(error)) return
+      if (unmet(allocated(result%channel(1)%unavailable) .and. .not. result%channel(1)%available%ar)) return
       call check(error, result%channel(2)%available%akf .and. .not. allocated(result%channel(2)%unavailable))
    end subroutine test_constant
 
    !> White noise: AIC may take order 0, the paper's preset not; either way there is a filter, and no drift.
-   subroutine test_white(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_white()
       type(simulate_options) :: options
       type(pipeline_options) :: paper
       type(record_type) :: record
       type(pipeline_result_type) :: a, b
-      type(gyro_error), allocatable :: failed
 
       options%coefficient(2) = 0.01_dp
       options%samples = 4000
@@ -219,26 +198,21 @@ contains
       call check(error, minloc(a%channel(1)%ar%table%aic, 1) == a%channel(1)%ar%order + 1)
    end subroutine test_white
 
-   subroutine test_too_short(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_too_short()
       type(record_type) :: record
       type(pipeline_result_type) :: result
-      type(gyro_error), allocatable :: failed
 
       call run_pipeline(record, pipeline_options(), result, failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
+      if (unmet(allocated(failed))) return
       call paper_record(record)
       record%value = record%value(:9, :)
       call run_pipeline(record, pipeline_options(), result, failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
+      if (unmet(allocated(failed))) return
       call check(error, failed%code == status%too_few_samples .and. index(failed%message, "record: 9;") > 0)
    end subroutine test_too_short
 
    !> 10 to 60 samples: no error, and every room that failed is named.
-   subroutine test_short(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_short()
       type(record_type) :: whole, record
       type(pipeline_result_type) :: result
       integer :: n
@@ -249,19 +223,16 @@ contains
          record%value = whole%value(:n, :)
          call check(error, run(record, result))
          associate (c => result%channel(1))
-            call check(error, allocated(c%unavailable) .or. (c%available%akf .and. c%available%adf .and. c%available%drift))
-            if (allocated(error)) return
+            if (unmet(allocated(c%unavailable) .or. (c%available%akf .and. c%available%adf .and. c%available%drift))) return
          end associate
       end do
    end subroutine test_short
 
    !> A short record has an AR model of the orders that it can show, and says so.
-   subroutine test_few_orders(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_few_orders()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(pipeline_options) :: options
-      type(gyro_error), allocatable :: failed
       integer :: i
 
       call paper_record(record)
@@ -270,12 +241,10 @@ contains
       options%do_allan = .false.
       options%do_filter = .false.
       call run_pipeline(record, options, result, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       associate (c => result%channel(1))
          call check(error, c%available%ar)
-         call check(error, size(c%ar%table), 4)
-         if (allocated(error)) return
+         if (unmet(size(c%ar%table), 4)) return
          call check(error, any([(index(c%warnings(i)%text, "AR orders up to 3 ") > 0, i=1, size(c%warnings))]))
       end associate
    end subroutine test_few_orders

@@ -1,17 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Progress is told, and a caller who cancels gets the error.
 module test_progress
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong, check_refused
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : record_type
    use gyroakf_simulate_simulate_record, only : paper_preset, paper_seed, simulate_options, simulate_record
    implicit none (type, external)
    private
-   public :: collect_progress
+   public :: suite_progress
 
    !> Notes what it is told, and cancels when all is done
    type, extends(progress_type) :: witness_type
@@ -34,13 +33,13 @@ module test_progress
 
 contains
 
-   subroutine collect_progress(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [new_unittest("told_and_cancelled", told_and_cancelled), new_unittest("nobody_listens", nobody_listens), &
-                   new_unittest("job_is_the_same", job_is_the_same), new_unittest("job_is_cancelled", job_is_cancelled), &
-                   new_unittest("channels_are_named", channels_are_named)]
-   end subroutine collect_progress
+   subroutine suite_progress()
+      call test("told_and_cancelled", told_and_cancelled)
+      call test("nobody_listens", nobody_listens)
+      call test("job_is_the_same", job_is_the_same)
+      call test("job_is_cancelled", job_is_cancelled)
+      call test("channels_are_named", channels_are_named)
+   end subroutine suite_progress
 
    subroutine note(self, stage, done, total, cancel)
       class(witness_type), intent(inout) :: self
@@ -55,26 +54,18 @@ contains
       cancel = done == total
    end subroutine note
 
-   subroutine told_and_cancelled(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine told_and_cancelled()
       type(witness_type) :: witness
 
       call report_progress("reading", 3_int64, 4_int64, failed, witness)
-      call check(error, .not. allocated(failed), "nobody cancelled")
-      if (allocated(error)) return
+      if (went_wrong(failed, "nobody cancelled")) return
       call report_progress("reading", 4_int64, 4_int64, failed, witness)
-      call check(error, allocated(failed), "the cancellation is lost")
-      if (allocated(error)) return
-      call check(error, failed%code, status%cancelled)
+      call check_refused(failed, status%cancelled)
       call check(error, failed%message, "cancelled while reading")
       call check(error, witness%stage == "reading" .and. witness%calls == 2 .and. witness%done == 4 .and. witness%total == 4)
    end subroutine told_and_cancelled
 
-   subroutine nobody_listens(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
-
+   subroutine nobody_listens()
       call report_progress("reading", 4_int64, 4_int64, failed)
       call check(error, .not. allocated(failed))
    end subroutine nobody_listens
@@ -92,9 +83,7 @@ contains
    end subroutine quit
 
    !> Whoever looks on changes nothing.
-   subroutine job_is_the_same(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine job_is_the_same()
       type(record_type) :: record
       type(pipeline_result_type) :: alone, watched
       type(quitter_type) :: quitter
@@ -102,17 +91,14 @@ contains
       call simulate_record(paper_preset(paper_seed), record, failed)
       call run_pipeline(record, pipeline_options(), alone, failed)
       call run_pipeline(record, pipeline_options(), watched, failed, quitter)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, quitter%calls >= 12, "every stage is told")
       call check(error, quitter%in_range, "more is done than there is")
       call check(error, all(abs(alone%channel(1)%allan(5)%curve%deviation - watched%channel(1)%allan(5)%curve%deviation) <= 0.0_dp))
    end subroutine job_is_the_same
 
    !> A stage names its channel where there are several.
-   subroutine channels_are_named(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine channels_are_named()
       type(record_type) :: one, record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
@@ -132,9 +118,7 @@ contains
    end subroutine channels_are_named
 
    !> At whichever call.
-   subroutine job_is_cancelled(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine job_is_cancelled()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(quitter_type) :: quitter
@@ -145,8 +129,7 @@ contains
          quitter%calls = 0
          quitter%last = last
          call run_pipeline(record, pipeline_options(), result, failed, quitter)
-         call check(error, allocated(failed), "the cancellation is lost")
-         if (allocated(error)) return
+         if (unmet(allocated(failed), "the cancellation is lost")) return
          call check(error, failed%code == status%cancelled .and. quitter%calls == last, "it goes on after the cancellation")
       end do
    end subroutine job_is_cancelled

@@ -1,27 +1,26 @@
 ! SPDX-License-Identifier: MIT
 !> The line that says how far a call is.
 module test_progress_text
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_progress_text, only : amount_text, duration_text, progress_line
    implicit none (type, external)
    private
-   public :: collect_progress_text
+   public :: suite_progress_text
 
 contains
 
-   subroutine collect_progress_text(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_progress_text()
+      call test("known_total", known_total)
+      call test("unknown_total", unknown_total)
+      call test("files_are_counted", files_are_counted)
+      call test("narrow_terminals", narrow_terminals)
+      call test("odd_numbers", odd_numbers)
+      call test("amounts", amounts)
+      call test("durations", durations)
+   end subroutine suite_progress_text
 
-      testsuite = [new_unittest("known_total", known_total), new_unittest("unknown_total", unknown_total), &
-                   new_unittest("files_are_counted", files_are_counted), new_unittest("narrow_terminals", narrow_terminals), &
-                   new_unittest("odd_numbers", odd_numbers), new_unittest("amounts", amounts), new_unittest("durations", durations)]
-   end subroutine collect_progress_text
-
-   subroutine known_total(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine known_total()
       call check(error, progress_line("reading", 250000000_int64, 1000000000_int64, 1.0_dp, 79), &
                  "reading  [#####...............]   25 %  250 MB/s  0:03 left")
       call check(error, progress_line("filtering", 0_int64, 1000_int64, 0.0_dp, 79), &
@@ -30,40 +29,30 @@ contains
                  "filtering  [####################]  100 %  500 samples/s  0:00 left")
    end subroutine known_total
 
-   subroutine unknown_total(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine unknown_total()
       call check(error, progress_line("reading", 1234567890_int64, 0_int64, 4.0_dp, 79), "reading  1.23 GB  309 MB/s")
       call check(error, progress_line("completing the record", 0_int64, 0_int64, 4.0_dp, 79), "completing the record")
    end subroutine unknown_total
 
-   subroutine files_are_counted(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine files_are_counted()
       call check(error, progress_line("files", 12_int64, 300_int64, 6.0_dp, 79), &
                  "files  [....................]    4 %  12 of 300  2 files/s  2:24 left")
    end subroutine files_are_counted
 
-   subroutine narrow_terminals(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine narrow_terminals()
       call check(error, progress_line("reading", 1_int64, 2_int64, 1.0_dp, 40), "reading   50 %  1 B/s  0:01 left")
       call check(error, progress_line("reading", 1_int64, 2_int64, 1.0_dp, 10), "reading   ")
       call check(error, len(progress_line(repeat("x", 200), 1_int64, 2_int64, 1.0_dp, 79)), 79)
    end subroutine narrow_terminals
 
-   subroutine odd_numbers(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine odd_numbers()
       call check(error, progress_line("reading", 30_int64, 20_int64, 1.0_dp, 50), "reading  100 %  30 B/s  0:00 left", &
                  "a file that grew")
       call check(error, progress_line("reading", -5_int64, 20_int64, 1.0_dp, 50), "reading    0 %", "less than nothing")
       call check(error, len(progress_line("files", huge(1_int64), huge(1_int64), 1.0e-3_dp, 79)) <= 79, "the largest numbers")
    end subroutine odd_numbers
 
-   subroutine amounts(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine amounts()
       call check(error, amount_text(999.0_dp, "B"), "999 B")
       call check(error, amount_text(999.6_dp, "B"), "1.00 kB")
       call check(error, amount_text(12345.0_dp, "samples"), "12.3 ksamples")
@@ -73,9 +62,7 @@ contains
       call check(error, amount_text(1.0e30_dp, "B"), "1000000000 PB", "no overflow")
    end subroutine amounts
 
-   subroutine durations(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine durations()
       call check(error, duration_text(0.0_dp), "0:00")
       call check(error, duration_text(6.1_dp), "0:07", "rounded up")
       call check(error, duration_text(754.0_dp), "12:34")

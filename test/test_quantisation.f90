@@ -2,31 +2,27 @@
 !> Tests of the search for a step.
 module test_quantisation
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_quantization, only : quantisation_type, find_quantisation
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use series_library, only : reference_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, check_refused
    implicit none (type, external)
    private
-   public :: collect_quantisation
+   public :: suite_quantisation
 
 contains
 
-   subroutine collect_quantisation(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("converter", test_converter), &
-         & new_unittest("odd_step", test_odd_step), &
-         & new_unittest("no_step", test_no_step), &
-         & new_unittest("sheppard", test_sheppard), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_quantisation
+   subroutine suite_quantisation()
+      call test("by_hand", test_by_hand)
+      call test("converter", test_converter)
+      call test("odd_step", test_odd_step)
+      call test("no_step", test_no_step)
+      call test("sheppard", test_sheppard)
+      call test("missing", test_missing)
+      call test("offset_scale", test_offset_scale)
+      call test("failures", test_failures)
+   end subroutine suite_quantisation
 
    !> The grid of a series, compared with its own standard deviation.
    subroutine run(x, grid, valid)
@@ -37,7 +33,6 @@ contains
       !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(moments_type) :: moments
-      type(gyro_error), allocatable :: problem
 
       call compute_moments(x, moments, valid)
       call find_quantisation(x, moments%std, grid, problem, valid)
@@ -45,8 +40,7 @@ contains
    end subroutine run
 
    !> 0 2 2 6: a step of 2 on 3 of 4 levels, standard deviation sqrt(19/3).
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(quantisation_type) :: grid
 
       call run([0.0_dp, 2.0_dp, 2.0_dp, 6.0_dp], grid)
@@ -58,8 +52,7 @@ contains
    end subroutine test_by_hand
 
    !> Counts times a scale that is no binary number, 131 LSB per deg/s, on an offset of 1e4 steps.
-   subroutine test_converter(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_converter()
       type(quantisation_type) :: grid
 
       call run((10000.0_dp + anint(20.0_dp*reference_series("wn", 70000)))/131.0_dp, grid)
@@ -70,8 +63,7 @@ contains
    end subroutine test_converter
 
    !> 24 bits: recognised, levels not counted.
-   subroutine test_odd_step(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_odd_step()
       type(quantisation_type) :: grid
 
       call run([0.1_dp*anint(1.0e6_dp*reference_series("wn", 5000)), 0.1_dp, 0.2_dp], grid)
@@ -80,8 +72,7 @@ contains
    end subroutine test_odd_step
 
    !> Real numbers, one of them off the grid, a constant.
-   subroutine test_no_step(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_no_step()
       type(quantisation_type) :: grid
       real(dp), allocatable :: x(:)
 
@@ -97,8 +88,7 @@ contains
    end subroutine test_no_step
 
    !> Normal samples rounded to one standard deviation: the correction finds it again, within the scatter of 70,000 samples.
-   subroutine test_sheppard(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_sheppard()
       type(quantisation_type) :: grid
       type(moments_type) :: moments
       real(dp), allocatable :: x(:)
@@ -111,8 +101,7 @@ contains
    end subroutine test_sheppard
 
    !> Missing samples need not stand on the grid.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(quantisation_type) :: a, b
       real(dp), allocatable :: x(:)
       integer(int8) :: valid(5000)
@@ -128,8 +117,7 @@ contains
    end subroutine test_missing
 
    !> 1e6 + 1e-3 x, the scale no power of two.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(quantisation_type) :: a, b
       real(dp), allocatable :: x(:)
 
@@ -142,15 +130,11 @@ contains
    end subroutine test_offset_scale
 
    !> A negative standard deviation.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(quantisation_type) :: grid
-      type(gyro_error), allocatable :: problem
 
       call find_quantisation([1.0_dp, 2.0_dp], -1.0_dp, grid, problem)
-      call check(error, allocated(problem), "a negative standard deviation was accepted")
-      if (allocated(error)) return
-      call check(error, problem%code, status%invalid_argument)
+      call check_refused(problem, status%invalid_argument)
    end subroutine test_failures
 
 end module test_quantisation

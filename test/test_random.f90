@@ -1,36 +1,31 @@
 ! SPDX-License-Identifier: MIT
 !> The random numbers: published outputs, streams, distributions.
 module test_random
-   use expectations, only : check
-   use testdrive, only : error_type, unittest_type, new_unittest
+   use expectations, only : test, error, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_random, only : random_type, seed_random, next_bits, next_uniform, next_normal, fill_normal
    implicit none (type, external)
    private
-   public :: collect_random
+   public :: suite_random
 
    !> Draws of the distribution tests. Their bounds are 4.5 standard deviations, and the seeds are fixed.
    integer, parameter :: draws = 200000
 
 contains
 
-   subroutine collect_random(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      allocate (testsuite(8))
-      testsuite(1) = new_unittest("xoshiro-outputs", test_xoshiro)
-      testsuite(2) = new_unittest("splitmix-seeding", test_seeding)
-      testsuite(3) = new_unittest("repeatable", test_repeatable)
-      testsuite(4) = new_unittest("streams-differ", test_streams)
-      testsuite(5) = new_unittest("uniform-distribution", test_uniform)
-      testsuite(6) = new_unittest("normal-distribution", test_normal)
-      testsuite(7) = new_unittest("normal-is-polar", test_polar)
-      testsuite(8) = new_unittest("fill-is-next", test_fill)
-   end subroutine collect_random
+   subroutine suite_random()
+      call test("xoshiro-outputs", test_xoshiro)
+      call test("splitmix-seeding", test_seeding)
+      call test("repeatable", test_repeatable)
+      call test("streams-differ", test_streams)
+      call test("uniform-distribution", test_uniform)
+      call test("normal-distribution", test_normal)
+      call test("normal-is-polar", test_polar)
+      call test("fill-is-next", test_fill)
+   end subroutine suite_random
 
    !> The authors' C code, state {1, 2, 3, 4}: 2D00, 0, 5A007080 (hexadecimal), ...
-   subroutine test_xoshiro(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_xoshiro()
       type(random_type) :: random
       integer(int64), parameter :: expected(4) = [int(z'2d00', int64), 0_int64, int(z'5a007080', int64), &
          & int(z'10e0000000009d80', int64)]
@@ -47,8 +42,7 @@ contains
    !> splitmix64 of seed 1234567 begins 6457827717110365317 (its authors); the state and the first output that follow,
    !> a negative seed, and stream 1, which is the state times the transition matrix to the power 2**128
    !> (the matrix squared 128 times over GF(2), another algorithm than the jump).
-   subroutine test_seeding(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_seeding()
       type(random_type) :: random
       integer(int64) :: bits
 
@@ -66,8 +60,7 @@ contains
          & bits_of("1b472eb403a52467"), bits_of("2b95ff655a7e630f")]))
    end subroutine test_seeding
 
-   subroutine test_repeatable(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_repeatable()
       type(random_type) :: random, again
       real(dp) :: x(101), y(101)
 
@@ -82,8 +75,7 @@ contains
    end subroutine test_repeatable
 
    !> Normals of different streams, and the same stream shifted, are uncorrelated.
-   subroutine test_streams(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_streams()
       type(random_type) :: random
       real(dp), allocatable :: x(:, :)
       real(dp) :: bound
@@ -104,8 +96,7 @@ contains
    end subroutine test_streams
 
    !> Range, mean 1/2, variance 1/12, and a chi-square of 16 cells (15 degrees of freedom, 1e-5 quantile 47.2).
-   subroutine test_uniform(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_uniform()
       type(random_type) :: random
       real(dp) :: u, total, square, n, chi_square
       integer :: i, cell(0:15)
@@ -129,8 +120,7 @@ contains
    end subroutine test_uniform
 
    !> Moments 1 to 4 (variances 1/n, 2/n, 15/n, 96/n) and the shares beyond 1, 2, 3 and 4.
-   subroutine test_normal(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_normal()
       type(random_type) :: random
       real(dp), allocatable :: x(:)
       real(dp) :: n, p
@@ -149,8 +139,7 @@ contains
    end subroutine test_normal
 
    !> The variates are those of the polar method with the compiler's own logarithm, to a few units of the last place.
-   subroutine test_polar(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_polar()
       type(random_type) :: random, copy
       real(dp) :: a, b, s, g(2)
       integer :: i
@@ -171,8 +160,7 @@ contains
       end do
    end subroutine test_polar
 
-   subroutine test_fill(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_fill()
       type(random_type) :: random, again
       real(dp) :: x(7), g
       integer :: i

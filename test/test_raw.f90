@@ -3,8 +3,7 @@
 module test_raw
    use, intrinsic :: ieee_arithmetic, only : ieee_positive_inf, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_c_binding, only : c_int, c_loc
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : failed => problem, test, error, check, went_wrong, check_refused
    use gyroakf_kinds, only : dp, int64, int8
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
@@ -16,30 +15,26 @@ module test_raw
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: collect_raw
+   public :: suite_raw
 
 contains
 
    !> Names the tests.
-   subroutine collect_raw(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("words", test_words), &
-         new_unittest("doubles", test_doubles), &
-         new_unittest("channels", test_channels), &
-         new_unittest("name", test_name), &
-         new_unittest("stored-integer", test_stored_integer), &
-         new_unittest("refused", test_refused), &
-         new_unittest("from-memory", test_memory), &
-         new_unittest("refused-by-system", test_refused_by_system), &
-         new_unittest("sound", test_sound), &
-         new_unittest("extremes", test_extremes)]
-   end subroutine collect_raw
+   subroutine suite_raw()
+      call test("words", test_words)
+      call test("doubles", test_doubles)
+      call test("channels", test_channels)
+      call test("name", test_name)
+      call test("stored-integer", test_stored_integer)
+      call test("refused", test_refused)
+      call test("from-memory", test_memory)
+      call test("refused-by-system", test_refused_by_system)
+      call test("sound", test_sound)
+      call test("extremes", test_extremes)
+   end subroutine suite_raw
 
    !> Words of types and back; others are refused.
-   subroutine test_words(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_words()
       character(6), parameter :: word(10) = [character(6) :: "f64", "f32be", "i8", "i16le", "u64be", "f16", "u8be", "i32", &
          "u32", "i64"]
       character(6), parameter :: told(10) = [character(6) :: "f64le", "f32be", "i8", "i16le", "u64be", "f16le", "u8", &
@@ -75,14 +70,12 @@ contains
    end subroutine read_bytes_of
 
    !> More doubles than a block: the very bits come back, infinities and NaN as missing.
-   subroutine test_doubles(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_doubles()
       integer, parameter :: n = 700001
       character(:), allocatable :: content
       real(dp), allocatable :: value(:)
       type(reader_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: i
 
       allocate (value(n))
@@ -95,8 +88,7 @@ contains
       content(:) = transfer(value, content)
       options%format = merge("f64le", "f64be", transfer(1, "a") == achar(1))
       call read_bytes_of(content, "x.dat", options, record, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, record%audit%missing, 2_int64)
       value([77, n]) = 0.0_dp
       call check(error, all(abs(record%value(:, 1) - value) <= 0.0_dp))
@@ -104,11 +96,9 @@ contains
    end subroutine test_doubles
 
    !> Interleaved big endian integers behind a header, with the time in the first column.
-   subroutine test_channels(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_channels()
       type(reader_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: content
       integer :: i
 
@@ -122,46 +112,38 @@ contains
       options%time_column = "1"
       options%columns = "3,2"
       call read_bytes_of(content, "x.dat", options, record, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == 256) .and. all(nint(record%value(:, 2)) == [(-modulo(i, 50) - 1, &
          i=1, 300)]))
       call check(error, record%rate_source, "timestamps")
    end subroutine test_channels
 
    !> Without a format the end of the name counts, which is said; text stays text.
-   subroutine test_name(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_name()
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
 
       call read_bytes_of(achar(1)//achar(0)//achar(3)//achar(0), "x.i16", reader_options(), record, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == [1, 3]) .and. record%format == "i16le")
       call check(error, index(record%warnings(1)%text, "as the name .i16 says") > 0)
       call read_bytes_of("1"//new_line("a")//"3"//new_line("a"), "x.i16", reader_options(), record, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == [1, 3]) .and. record%format == "text")
    end subroutine test_name
 
    !> The table tells the integer type that is stored.
-   subroutine test_stored_integer(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_stored_integer()
       character(3), parameter :: word(4) = ["u16", "i32", "f32", "i8 "]
       integer, parameter :: bits(4) = [16, 32, 0, 8]
       type(recording_type) :: recording
       type(reader_options) :: options
-      type(gyro_error), allocatable :: failed
       integer :: k
 
       call write_bytes(scratch_path("x.dat"), "12345678")
       do k = 1, 4
          options%format = trim(word(k))
          call open_recording(scratch_path("x.dat"), options, recording, failed)
-         call check(error, .not. allocated(failed))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
          call check(error, &
             recording%table%integer_bits == bits(k))
          call next_rows(recording, 1_int64, failed)
@@ -173,61 +155,52 @@ contains
    end subroutine test_stored_integer
 
    !> Lengths that do not fit, options that do not apply.
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused()
       type(reader_options) :: options
 
       options%format = "f32"
-      call expect(error, "123456789", options, status%parse, "byte 8: 1 bytes are left after 2 rows of 4 bytes (1 x float32)")
+      call expect("123456789", options, status%parse, "byte 8: 1 bytes are left after 2 rows of 4 bytes (1 x float32)")
       options%channels = 2
-      call expect(error, "1234", options, status%parse, "byte 0: 4 bytes are left after 0 rows of 8 bytes")
+      call expect("1234", options, status%parse, "byte 0: 4 bytes are left after 0 rows of 8 bytes")
       options%skip = 4
-      call expect(error, "1234", options, status%parse, "`skip` leaves nothing")
+      call expect("1234", options, status%parse, "`skip` leaves nothing")
       options%skip = 0
       options%channels = huge(1_int64)
-      call expect(error, "1234", options, status%parse, "columns are not from 1 to 65536")
+      call expect("1234", options, status%parse, "columns are not from 1 to 65536")
       options = reader_options()
-      call expect(error, "1"//achar(0)//"2"//achar(1), options, status%parse, "`format` f64, f32")
+      call expect("1"//achar(0)//"2"//achar(1), options, status%parse, "`format` f64, f32")
       options%channels = 2
-      call expect(error, "1 2", options, status%invalid_argument, "`channels` is for raw numbers")
+      call expect("1 2", options, status%invalid_argument, "`channels` is for raw numbers")
    end subroutine test_refused
 
    !> A file that has to be refused.
-   subroutine expect(error, content, options, code, fragment)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect(content, options, code, fragment)
       character(*), intent(in) :: content, fragment
       type(reader_options), intent(in) :: options
       integer, intent(in) :: code
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
 
       call read_bytes_of(content, "x.dat", options, record, failed)
-      call check(error, allocated(failed), "not refused: "//fragment)
-      if (allocated(error)) return
-      call check(error, failed%code, code, failed%message)
+      call check_refused(failed, code)
       call check(error, index(failed%message, fragment) > 0, failed%message)
    end subroutine expect
 
    !> Bytes in memory instead of a file.
-   subroutine test_memory(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_memory()
       type(reader_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer(int8), target :: bytes(4)
 
       bytes = int([1, 0, 3, 0], int8)
       options%bytes => bytes
       options%format = "u16"
       call read_record("(memory)", options, record, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == [1, 3]))
    end subroutine test_memory
 
    !> NaN, infinities and large values anywhere are seen.
-   subroutine test_sound(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_sound()
       integer, parameter :: n = 600001
       integer, parameter :: place(5) = [1, 2, 65537, 65536*3, n]
       real(dp), allocatable :: x(:)
@@ -246,8 +219,7 @@ contains
    end subroutine test_sound
 
    !> Extremes and step against the plain loop, for lengths about those of lanes and blocks.
-   subroutine test_extremes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_extremes()
       integer, parameter :: length(14) = [1, 2, 7, 8, 9, 10, 16, 17, 65535, 65536, 65537, 65545, 131072, 600001]
       real(dp), allocatable :: x(:)
       real(dp) :: low, high, step, expected, change
@@ -269,8 +241,7 @@ contains
    end subroutine test_extremes
 
    !> A descriptor that is none: the system refuses, which is no end of a file.
-   subroutine test_refused_by_system(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_refused_by_system()
       real(dp), target :: room(4)
       integer(int64) :: got
       logical :: failed

@@ -2,60 +2,55 @@
 !> Reading recordings: every feature of the text format.
 module test_reader
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type, test_failed
+   use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: collect_reader
+   public :: suite_reader
 
    character(1), parameter :: nl = new_line("a"), tab = achar(9), cr = achar(13)
 
 contains
 
    !> Names the tests.
-   subroutine collect_reader(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("separators", test_separators), &
-         new_unittest("line-ends", test_line_ends), &
-         new_unittest("comments", test_comments), &
-         new_unittest("missing", test_missing), &
-         new_unittest("quotes", test_quotes), &
-         new_unittest("blank-columns", test_blank_columns), &
-         new_unittest("names", test_names), &
-         new_unittest("units-of-names", test_units_of_names), &
-         new_unittest("header-rate", test_header_rate), &
-         new_unittest("header-unit", test_header_unit), &
-         new_unittest("names-in-comment", test_names_in_comment), &
-         new_unittest("channel-units", test_channel_units), &
-         new_unittest("temperature", test_temperature), &
-         new_unittest("channel-increments", test_channel_increments), &
-         new_unittest("header-columns", test_header_columns), &
-         new_unittest("choose-columns", test_choose_columns), &
-         new_unittest("time-column", test_time_column), &
-         new_unittest("looks-like-time", test_looks_like_time), &
-         new_unittest("left-out", test_left_out), &
-         new_unittest("repeated-names", test_repeated_names), &
-         new_unittest("split-stamps", test_split_stamps), &
-         new_unittest("units-below", test_units_below), &
-         new_unittest("rates-differ", test_rates_differ), &
-         new_unittest("increments", test_increments), &
-         new_unittest("angles", test_angles), &
-         new_unittest("part", test_part), &
-         new_unittest("skip-bad-lines", test_bad_lines), &
-         new_unittest("audit-of-values", test_audit_values), &
-         new_unittest("survey", test_survey), &
-         new_unittest("from-memory", test_memory), &
-         new_unittest("long-line", test_long_line), &
-         new_unittest("many-rows", test_many_rows)]
-   end subroutine collect_reader
+   subroutine suite_reader()
+      call test("separators", test_separators)
+      call test("line-ends", test_line_ends)
+      call test("comments", test_comments)
+      call test("missing", test_missing)
+      call test("quotes", test_quotes)
+      call test("blank-columns", test_blank_columns)
+      call test("names", test_names)
+      call test("units-of-names", test_units_of_names)
+      call test("header-rate", test_header_rate)
+      call test("header-unit", test_header_unit)
+      call test("names-in-comment", test_names_in_comment)
+      call test("channel-units", test_channel_units)
+      call test("temperature", test_temperature)
+      call test("channel-increments", test_channel_increments)
+      call test("header-columns", test_header_columns)
+      call test("choose-columns", test_choose_columns)
+      call test("time-column", test_time_column)
+      call test("looks-like-time", test_looks_like_time)
+      call test("left-out", test_left_out)
+      call test("repeated-names", test_repeated_names)
+      call test("split-stamps", test_split_stamps)
+      call test("units-below", test_units_below)
+      call test("rates-differ", test_rates_differ)
+      call test("increments", test_increments)
+      call test("angles", test_angles)
+      call test("part", test_part)
+      call test("skip-bad-lines", test_bad_lines)
+      call test("audit-of-values", test_audit_values)
+      call test("survey", test_survey)
+      call test("from-memory", test_memory)
+      call test("long-line", test_long_line)
+      call test("many-rows", test_many_rows)
+   end subroutine suite_reader
 
    !> Reads a content; "values: first row / second row ..." with nan for missing ones, or the message of the failure.
    function shown(content, options, record) result(text)
@@ -63,7 +58,6 @@ contains
       type(reader_options), intent(in) :: options
       type(record_type), intent(out) :: record
       character(:), allocatable :: text
-      type(gyro_error), allocatable :: failed
       integer :: i, j
 
       call write_bytes(scratch_path("reader.txt"), content)
@@ -115,8 +109,7 @@ contains
       end do
    end function channels
 
-   subroutine test_separators(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_separators()
       type(record_type) :: record
 
       call check(error, shown("1.0 2,3;4"//nl//" -1.5"//tab//"2.5 , 3e0 ;4 "//nl, reader_options(), record), &
@@ -125,8 +118,7 @@ contains
       call check(error, shown("+1 .5 5. 1.5D-3 1d2", reader_options(), record), "1 0.5 5 0.0015 100 ")
    end subroutine test_separators
 
-   subroutine test_line_ends(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_line_ends()
       type(record_type) :: record
       character(3), parameter :: mark = char(239)//char(187)//char(191)
 
@@ -136,16 +128,14 @@ contains
       call check(error, shown(mark//"gx"//nl//"2", reader_options(), record)//channels(record), "2 gx ")
    end subroutine test_line_ends
 
-   subroutine test_comments(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_comments()
       type(record_type) :: record
 
       call check(error, shown("# a"//nl//"% b"//nl//"; c"//nl//"// d"//nl//nl//"1 # e"//nl//"# f"//nl//" "//nl//"2 // g"//nl// &
                               "3 % h"//nl, reader_options(), record), "1 / 2 / 3 ")
    end subroutine test_comments
 
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(record_type) :: record
 
       call check(error, shown("a,b"//nl//"1,nan"//nl//"NA,2"//nl//"inf,"//nl//",-Inf"//nl//"5,6"//nl, reader_options(), record), &
@@ -157,8 +147,7 @@ contains
    end subroutine test_missing
 
    !> Range and smallest step of every column, also where the first values are missing; not known where all are.
-   subroutine test_survey(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_survey()
       type(record_type) :: record
       type(reader_options) :: options
 
@@ -174,16 +163,14 @@ contains
       call check(error, ieee_is_nan(record%column(1)%step), "a column of missing values has no step")
    end subroutine test_survey
 
-   subroutine test_quotes(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_quotes()
       type(record_type) :: record
 
       call check(error, shown('"gx, left";"gy"'//nl//'"1.5";"-2"'//nl//'3;""'//nl, reader_options(), record), "1.5 -2 / 3 nan ")
       call check(error, channels(record), "gx, left gy ")
    end subroutine test_quotes
 
-   subroutine test_blank_columns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_blank_columns()
       type(record_type) :: record
 
       call check(error, shown("1,2,"//nl//"3,4,"//nl, reader_options(), record), "1 2 / 3 4 ")
@@ -193,8 +180,7 @@ contains
       call check(error, shown("1,2"//nl//"3,4,"//nl//"5,6"//nl, reader_options(), record), "1 2 / 3 4 / 5 6 ")
    end subroutine test_blank_columns
 
-   subroutine test_names(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_names()
       type(record_type) :: record
 
       call check(error, shown("gx gy"//nl//"1 2"//nl, reader_options(), record)//channels(record), "1 2 gx gy ")
@@ -206,8 +192,7 @@ contains
                  "1.5 gx columns not analyzed: 1 (unknown); `columns` reads them|")
    end subroutine test_names
 
-   subroutine test_units_of_names(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_units_of_names()
       type(record_type) :: record
 
       call check(error, shown("t [ms],gx [deg/s],gy (dps)"//nl//"0,1,2"//nl//"10,3,4"//nl, reader_options(), record), "1 2 / 3 4 ")
@@ -216,8 +201,7 @@ contains
       call check(error, record%unit%name//" "//format_real(record%sample_interval, 9), "rad/s 0.0005")
    end subroutine test_units_of_names
 
-   subroutine test_header_rate(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_header_rate()
       type(record_type) :: record
       character(24), parameter :: line(7) = [character(24) :: "# rate_hz: 5", "% dt = 0.2 s", "//RATE_HZ: 5 mean (x)", &
          "; dt: 200 ms", "# rate_hz: -5", "# rate_hz: abc", "# rate hz: 5"]
@@ -235,8 +219,7 @@ contains
       call check(error, format_real(record%sample_interval, 9)//" "//record%rate_source, "0.01 option")
    end subroutine test_header_rate
 
-   subroutine test_header_unit(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_header_unit()
       type(record_type) :: record
       type(reader_options) :: options
       character(:), allocatable :: values
@@ -258,8 +241,7 @@ contains
    end subroutine test_header_unit
 
    !> A comment whose words are as many as the columns names them: rostopic's and numpy's files have such a line.
-   subroutine test_names_in_comment(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_names_in_comment()
       type(record_type) :: record
       character(36), parameter :: line(8) = [character(36) :: "%time,field.x,field.y", "# t gx gy", &
          "# t [ms]; gx [dps]; gy [dps]", "# table, at rest", "# made by hand", "# 2024, table, at rest", &
@@ -295,8 +277,7 @@ contains
    end function units_of
 
    !> A unit for each channel: from a list in the header, from the names, from an option; and what does not fit.
-   subroutine test_channel_units(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_channel_units()
       type(record_type) :: record
       type(reader_options) :: options
       character(*), parameter :: rows = nl//"0 1 2"//nl//"1 3 4"//nl//"2 5 6"
@@ -326,8 +307,7 @@ contains
    end subroutine test_channel_units
 
    !> A temperature is left out, and said to be, unless it is asked for; where there is nothing else it is read.
-   subroutine test_temperature(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_temperature()
       type(record_type) :: record
       character(*), parameter :: rows = nl//"0 1 20"//nl//"1 3 21"//nl//"2 5 22"
       character(:), allocatable :: values
@@ -344,8 +324,7 @@ contains
    end subroutine test_temperature
 
    !> Increments of a unit for each channel become rates; a list of rates does not fit them.
-   subroutine test_channel_increments(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_channel_increments()
       type(record_type) :: record
       type(reader_options) :: options
       character(*), parameter :: rows = "1 2"//nl//"3 4"
@@ -370,8 +349,7 @@ contains
                  "nonethe header's unit deg/s does not fit `input` increment or angle and is ignored|")
    end subroutine test_channel_increments
 
-   subroutine test_header_columns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_header_columns()
       type(record_type) :: record
 
       call check(error, shown("# columns: t [s] gx gy"//nl//"0 1 2"//nl//"0.5 3 4", reader_options(), record)//channels(record), &
@@ -381,8 +359,7 @@ contains
       call check(error, warned(record), "line 1: the header's columns are 2, the first row has 3; the names are ignored|")
    end subroutine test_header_columns
 
-   subroutine test_choose_columns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_choose_columns()
       type(record_type) :: record
       type(reader_options) :: options
       character(*), parameter :: content = "label t Gx gy"//nl//"A 0 1 2"//nl//"B 1 3 4"//nl
@@ -395,8 +372,7 @@ contains
       call check(error, shown(content, options, record)//channels(record), "0 / 1 t ")
    end subroutine test_choose_columns
 
-   subroutine test_time_column(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_time_column()
       type(record_type) :: record
       type(reader_options) :: options
 
@@ -410,8 +386,7 @@ contains
       call check(error, .not. record%rate_known, "rate from a column that is no time")
    end subroutine test_time_column
 
-   subroutine test_looks_like_time(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_looks_like_time()
       type(record_type) :: record
       character(12*30) :: rising, uneven
       integer :: i
@@ -431,8 +406,7 @@ contains
    end subroutine test_looks_like_time
 
    !> Text, temperatures, further times and repeated names are left out, and it is said.
-   subroutine test_left_out(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_left_out()
       type(record_type) :: record
       type(reader_options) :: options
       character(*), parameter :: content = "time,seconds_elapsed,frame,gx,temp"//nl//"0.0,0.0,imu,5,20"//nl//"0.5,0.5,imu,4,20"//nl
@@ -448,8 +422,7 @@ contains
    end subroutine test_left_out
 
    !> Files that were put behind one another repeat the names; other words are still an error.
-   subroutine test_repeated_names(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_repeated_names()
       type(record_type) :: record
 
       call check(error, shown("t,gx"//nl//"0,5"//nl//"1,4"//nl//" t,gx "//nl//"2,3"//nl//"t,gx"//achar(13)//nl//"3,2"//nl, &
@@ -461,8 +434,7 @@ contains
    end subroutine test_repeated_names
 
    !> Whole seconds and nanoseconds, or microseconds, in two columns.
-   subroutine test_split_stamps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_split_stamps()
       type(record_type) :: record
       type(reader_options) :: options
 
@@ -479,8 +451,7 @@ contains
    end subroutine test_split_stamps
 
    !> A line of units below the names: in brackets, and beside units that are not known.
-   subroutine test_units_below(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_units_below()
       type(record_type) :: record
 
       call check(error, shown("t,gx,p"//nl//"[s],[deg/s],[bar]"//nl//"0,5,1"//nl//"1,4,1"//nl, reader_options(columns="gx"), &
@@ -488,8 +459,7 @@ contains
       call check(error, shown("t,gx"//nl//"good,bad"//nl//"0,5"//nl, reader_options(), record)//channels(record), "5 gx ")
    end subroutine test_units_below
 
-   subroutine test_rates_differ(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_rates_differ()
       type(record_type) :: record
       character(*), parameter :: rows = "t gx"//nl//"0 1"//nl//"0.01 2"//nl//"0.02 3"//nl
       character(:), allocatable :: values
@@ -504,8 +474,7 @@ contains
                  warned(record))
    end subroutine test_rates_differ
 
-   subroutine test_increments(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_increments()
       type(record_type) :: record
       type(reader_options) :: options
 
@@ -516,8 +485,7 @@ contains
       call check(error, record%unit%name, "arcsec/s")
    end subroutine test_increments
 
-   subroutine test_angles(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_angles()
       type(record_type) :: record
       type(reader_options) :: options
 
@@ -527,24 +495,21 @@ contains
       call check(error, record%audit%samples, 5_int64)
    end subroutine test_angles
 
-   subroutine test_part(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_part()
       type(record_type) :: record
       type(reader_options) :: options
       character(*), parameter :: rows = "1"//nl//"2"//nl//"3"//nl//"nan"//nl//"5"//nl
 
       options = reader_options(rate_hz=10.0_dp, from=0.1_dp, to=0.3_dp)
       call check(error, shown(rows, options, record), "2 / 3 ")
-      call check(error, .not. allocated(record%present) .and. record%audit%samples == 2, "nothing is missing in the part")
-      if (allocated(error)) return
+      if (unmet(.not. allocated(record%present) .and. record%audit%samples == 2, "nothing is missing in the part")) return
       options = reader_options(rate_hz=10.0_dp, from=0.25_dp)
       call check(error, shown(rows, options, record), "nan / 5 ")
       options = reader_options(rate_hz=10.0_dp, to=99.0_dp)
       call check(error, shown(rows, options, record), "1 / 2 / 3 / nan / 5 ")
    end subroutine test_part
 
-   subroutine test_bad_lines(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_bad_lines()
       type(record_type) :: record
       type(reader_options) :: options
 
@@ -556,8 +521,7 @@ contains
       call check(error, shown("device 17"//nl//"9 9 9"//nl//"1 2"//nl, options, record), "1 2 ")
    end subroutine test_bad_lines
 
-   subroutine test_audit_values(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_audit_values()
       type(record_type) :: record
       character(:), allocatable :: values
 
@@ -568,8 +532,7 @@ contains
    end subroutine test_audit_values
 
    !> A comment longer than a block, then a row that is.
-   subroutine test_long_line(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long_line()
       type(record_type) :: record
       character(*), parameter :: content = "# "//repeat("c", 1200000)//nl//"1.5 2"//nl//"3"//repeat(" ", 700000)//"4"//nl//"5 6"
 
@@ -577,18 +540,15 @@ contains
    end subroutine test_long_line
 
    !> Bytes in memory are read as a file of that content is; messages use the name that was given.
-   subroutine test_memory(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_memory()
       type(reader_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer(int8), allocatable, target :: bytes(:)
 
       bytes = transfer("# rate_hz = 50"//nl//"1 2"//nl//"3 4", [0_int8])
       options%bytes => bytes
       call read_record("log", options, record, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, abs(record%value(2, 2) - 4) + abs(record%sample_interval - 0.02_dp) <= 0.0_dp)
       bytes(18) = iachar("x", int8)
       call read_record("log", options, record, failed)
@@ -599,8 +559,7 @@ contains
    end subroutine test_memory
 
    !> More rows than a chunk has, more bytes than a block has.
-   subroutine test_many_rows(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_many_rows()
       type(record_type) :: record
       integer, parameter :: n = 150000
       character(7*n) :: content
@@ -611,11 +570,10 @@ contains
          write (content(7*i - 6:7*i), "(i6, a)") i, nl
       end do
       values = shown(content, reader_options(), record)
-      call check(error, record%audit%samples, int(n, int64))
-      if (allocated(error)) return
+      if (unmet(record%audit%samples, int(n, int64))) return
       do i = 1, n
          if (abs(record%value(i, 1) - i) <= 0.0_dp) cycle
-         call test_failed(error, "row "//format_real(real(i, dp), 9)//" is "//format_real(record%value(i, 1), 9))
+         call check(error, .false., "row "//format_real(real(i, dp), 9)//" is "//format_real(record%value(i, 1), 9))
          return
       end do
    end subroutine test_many_rows

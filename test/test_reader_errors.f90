@@ -2,17 +2,16 @@
 !> What the reader refuses: code, place and words of every message.
 module test_reader_errors
    use, intrinsic :: iso_c_binding, only : c_f_pointer, c_funloc, c_int, c_loc, c_null_ptr, c_ptr
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : failed => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int64, int8
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_io_gzip, only : inflate_bytes, inflate_end, inflater_type
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: collect_reader_errors
+   public :: suite_reader_errors
 
    character(1), parameter :: nl = new_line("a")
    !> Two rows of two numbers, compressed by gzip
@@ -23,25 +22,22 @@ module test_reader_errors
 contains
 
    !> Names the tests.
-   subroutine collect_reader_errors(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("whole-message", test_whole_message), &
-         new_unittest("bad-tokens", test_tokens), &
-         new_unittest("number-of-columns", test_columns), &
-         new_unittest("no-numbers", test_no_numbers), &
-         new_unittest("no-text", test_no_text), &
-         new_unittest("gzip", test_gzip), &
-         new_unittest("gzip-large-buffer", test_gzip_buffer), &
-         new_unittest("gzip-no-memory", test_gzip_memory), &
-         new_unittest("decimal-commas", test_commas), &
-         new_unittest("files", test_files), &
-         new_unittest("unknown-columns", test_unknown_columns), &
-         new_unittest("options", test_options), &
-         new_unittest("options-and-file", test_options_file), &
-         new_unittest("place-in-later-block", test_later_block)]
-   end subroutine collect_reader_errors
+   subroutine suite_reader_errors()
+      call test("whole-message", test_whole_message)
+      call test("bad-tokens", test_tokens)
+      call test("number-of-columns", test_columns)
+      call test("no-numbers", test_no_numbers)
+      call test("no-text", test_no_text)
+      call test("gzip", test_gzip)
+      call test("gzip-large-buffer", test_gzip_buffer)
+      call test("gzip-no-memory", test_gzip_memory)
+      call test("decimal-commas", test_commas)
+      call test("files", test_files)
+      call test("unknown-columns", test_unknown_columns)
+      call test("options", test_options)
+      call test("options-and-file", test_options_file)
+      call test("place-in-later-block", test_later_block)
+   end subroutine suite_reader_errors
 
    !> The message for a content, without the path; "accepted" where there is none.
    function message(content, options, code) result(text)
@@ -50,7 +46,6 @@ contains
       integer, intent(out) :: code
       character(:), allocatable :: text
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: path
 
       path = scratch_path("errors.txt")
@@ -66,8 +61,7 @@ contains
    end function message
 
    !> Checks that a content is refused with a message that begins so.
-   subroutine expect(error, content, code, start)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect(content, code, start)
       character(*), intent(in) :: content, start
       integer, intent(in) :: code
       character(:), allocatable :: text
@@ -78,15 +72,12 @@ contains
       call check(error, text(:min(len(text), len(start))), start)
    end subroutine expect
 
-   subroutine test_whole_message(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call expect(error, "# c"//nl//"1.5 2"//nl//"-1 x7,"//nl, status%parse, ":3:4: 'x7' is not a number"//nl//"-1 x7,"//nl// &
+   subroutine test_whole_message()
+      call expect("# c"//nl//"1.5 2"//nl//"-1 x7,"//nl, status%parse, ":3:4: 'x7' is not a number"//nl//"-1 x7,"//nl// &
                   "   ^"//nl//mend)
    end subroutine test_whole_message
 
-   subroutine test_tokens(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_tokens()
       character(12), parameter :: row(10) = [character(12) :: "1.5.2", "1e", "0x10", "--1", "1_000", "12:30:00", "1e999", &
          "-1e400", '"3', "nano"]
       character(40), parameter :: what(10) = [character(40) :: "'1.5.2' is not a number", "'1e' is not a number", &
@@ -96,76 +87,67 @@ contains
       integer :: i
 
       do i = 1, size(row)
-         call expect(error, "1"//nl//" "//trim(row(i))//nl, status%parse, ":2:2: "//trim(what(i)))
+         call expect("1"//nl//" "//trim(row(i))//nl, status%parse, ":2:2: "//trim(what(i)))
       end do
-      call expect(error, "1"//nl//char(194)//char(176)//nl, status%parse, ":2:1: '"//char(194)//char(176)//"' is not a number")
-      call expect(error, "1 2"//nl//char(195)//char(164)//" y"//nl, status%parse, ":2:1: ")
-      call expect(error, "1.O5"//nl//"2"//nl, status%parse, ":1:1: '1.O5' is not a number")
-      call expect(error, "1"//nl//repeat("y", 3000)//nl, status%parse, ":2:1: '"//repeat("y", 37)//"...' is not a number"//nl// &
+      call expect("1"//nl//char(194)//char(176)//nl, status%parse, ":2:1: '"//char(194)//char(176)//"' is not a number")
+      call expect("1 2"//nl//char(195)//char(164)//" y"//nl, status%parse, ":2:1: ")
+      call expect("1.O5"//nl//"2"//nl, status%parse, ":1:1: '1.O5' is not a number")
+      call expect("1"//nl//repeat("y", 3000)//nl, status%parse, ":2:1: '"//repeat("y", 37)//"...' is not a number"//nl// &
                   repeat("y", 96)//"..."//nl//"^"//nl)
    end subroutine test_tokens
 
-   subroutine test_columns(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call expect(error, "1 2"//nl//"3 4 5"//nl, status%parse, &
+   subroutine test_columns()
+      call expect("1 2"//nl//"3 4 5"//nl, status%parse, &
                   ":2:5: 3 columns where the rows above have 2"//nl//"3 4 5"//nl//"    ^")
-      call expect(error, "1,2"//nl//"3"//nl, status%parse, ":2:2: 1 column where the rows above have 2")
-      call expect(error, "1;2"//nl//"3;4;5;"//nl, status%parse, ":2:5: 4 columns where the rows above have 2")
-      call expect(error, "gx gy"//nl//"1 2 3"//nl, status%parse, ":2:4: 3 columns where line 1 has 2 names")
-      call expect(error, "1 2"//nl//"3 # 4"//nl, status%parse, ":2:6: 1 column")
-      call expect(error, "1 2"//nl//nl//nl//"3"//nl, status%parse, ":4:2: 1 column")
+      call expect("1,2"//nl//"3"//nl, status%parse, ":2:2: 1 column where the rows above have 2")
+      call expect("1;2"//nl//"3;4;5;"//nl, status%parse, ":2:5: 4 columns where the rows above have 2")
+      call expect("gx gy"//nl//"1 2 3"//nl, status%parse, ":2:4: 3 columns where line 1 has 2 names")
+      call expect("1 2"//nl//"3 # 4"//nl, status%parse, ":2:6: 1 column")
+      call expect("1 2"//nl//nl//nl//"3"//nl, status%parse, ":4:2: 1 column")
    end subroutine test_columns
 
-   subroutine test_no_numbers(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call expect(error, "", status%parse, ":1:1: the file is empty")
-      call expect(error, nl//nl, status%parse, ":2:1: the file holds no line of numbers")
-      call expect(error, "# a"//nl//"# b"//nl//"gx"//nl, status%parse, ":3:1: the file holds no line of numbers")
-      call expect(error, "# a"//nl//"nan"//nl//"NA"//nl, status%parse, ":2:1: column 1 holds no number")
-      call expect(error, "nan,nan"//nl//",,"//nl, status%parse, ":1:1: no column holds a number")
-      call expect(error, "t"//nl//"1"//nl//"2"//nl, status%parse, ":1:1: there is no column besides the time in column 't'")
-      call expect(error, "gx"//nl//"2"//nl//"gy"//nl//"2"//nl, status%parse, ":3:1: 'gy' is not a number")
+   subroutine test_no_numbers()
+      call expect("", status%parse, ":1:1: the file is empty")
+      call expect(nl//nl, status%parse, ":2:1: the file holds no line of numbers")
+      call expect("# a"//nl//"# b"//nl//"gx"//nl, status%parse, ":3:1: the file holds no line of numbers")
+      call expect("# a"//nl//"nan"//nl//"NA"//nl, status%parse, ":2:1: column 1 holds no number")
+      call expect("nan,nan"//nl//",,"//nl, status%parse, ":1:1: no column holds a number")
+      call expect("t"//nl//"1"//nl//"2"//nl, status%parse, ":1:1: there is no column besides the time in column 't'")
+      call expect("gx"//nl//"2"//nl//"gy"//nl//"2"//nl, status%parse, ":3:1: 'gy' is not a number")
    end subroutine test_no_numbers
 
-   subroutine test_no_text(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call expect(error, "1"//nl//"2"//achar(0)//nl, status%parse, ":2:1: the content is not text but text with 1 NUL")
-      call expect(error, char(255)//char(254)//"1"//achar(0), status%parse, ":1:1: the content is not text but text in UTF-16")
-      call expect(error, "BZh91AY", status%parse, ":1:1: the content is not text but compressed by bzip2")
-      call expect(error, char(147)//"NUMPY"//achar(1), status%parse, ": byte 7: the file ends within the header of NumPy's format")
-      call expect(error, "PK"//achar(3)//achar(4), status%parse, ":1:1: the content is not text but a zip archive")
+   subroutine test_no_text()
+      call expect("1"//nl//"2"//achar(0)//nl, status%parse, ":2:1: the content is not text but text with 1 NUL")
+      call expect(char(255)//char(254)//"1"//achar(0), status%parse, ":1:1: the content is not text but text in UTF-16")
+      call expect("BZh91AY", status%parse, ":1:1: the content is not text but compressed by bzip2")
+      call expect(char(147)//"NUMPY"//achar(1), status%parse, ": byte 7: the file ends within the header of NumPy's format")
+      call expect("PK"//achar(3)//achar(4), status%parse, ":1:1: the content is not text but a zip archive")
    end subroutine test_no_text
 
    !> gzip data in memory that are whole; in a file that are cut off, damaged, or followed by something else.
-   subroutine test_gzip(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gzip()
       character(*), parameter :: early = ": the compressed data end early after "
       character(*), parameter :: damaged = ": the compressed data are damaged after "
       character(size(packed_bytes)) :: packed_rows, other
       integer(int8), target :: bytes(size(packed_bytes))
       type(reader_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: kept
 
       packed_rows = transfer(achar(packed_bytes), packed_rows)
       bytes = transfer(packed_rows, bytes)
       options%bytes => bytes
       call read_record("memory", options, record, failed)
-      call check(error, .not. allocated(failed), "refused")
-      if (allocated(error)) return
+      if (went_wrong(failed, "refused")) return
       call check(error, all(nint(record%value) == reshape([1, 3, 2, 4], [2, 2])), "values")
       do kept = 4, len(packed_rows) - 1
-         call expect(error, packed_rows(:kept), status%parse, early)
+         call expect(packed_rows(:kept), status%parse, early)
       end do
-      call expect(error, packed_rows//packed_rows(:20), status%parse, early)
+      call expect(packed_rows//packed_rows(:20), status%parse, early)
       other = packed_rows
       other(len(other) - 7:len(other) - 7) = "x"
-      call expect(error, other, status%parse, damaged//"8 decompressed bytes"//nl//"copy the file again; gzip -t tests it")
-      call expect(error, packed_rows//"1 2"//nl, status%parse, damaged//"8 decompressed bytes"//nl)
+      call expect(other, status%parse, damaged//"8 decompressed bytes"//nl//"copy the file again; gzip -t tests it")
+      call expect(packed_rows//"1 2"//nl, status%parse, damaged//"8 decompressed bytes"//nl)
    end subroutine test_gzip
 
    !> Decompresses the rows into a buffer.
@@ -182,8 +164,7 @@ contains
    end subroutine inflate_rows
 
    !> A buffer of more than 32 bits count: only the bytes that are written have a place in memory.
-   subroutine test_gzip_buffer(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gzip_buffer()
       type(inflater_type), target :: inflater
       integer(int8), target :: written(32)
       integer(int8), pointer, contiguous :: room(:)
@@ -200,8 +181,7 @@ contains
    end subroutine test_gzip_buffer
 
    !> Where zlib gets no memory.
-   subroutine test_gzip_memory(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gzip_memory()
       type(inflater_type), target :: inflater
       integer(int8) :: room(32)
       character(80) :: problem
@@ -222,18 +202,14 @@ contains
       if (items < 0 .and. bytes < 0) no_memory = opaque
    end function no_memory
 
-   subroutine test_commas(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call expect(error, "a;b;c"//nl//"1,5;2,3"//nl, status%parse, ":2:2: this looks like a decimal comma")
-      call expect(error, "t;gx"//nl//"0;2"//nl//"1;2,5;"//nl//"1 2,5;3"//nl, status%parse, ":3:4: ")
-      call expect(error, "1,5"//nl//"2,25"//nl//"0,05"//nl, status%parse, ":3:2: this looks like a decimal comma")
-      call expect(error, "1,5"//nl//"2,25"//nl//"gx"//nl, status%parse, ":3:3: 1 column")
+   subroutine test_commas()
+      call expect("a;b;c"//nl//"1,5;2,3"//nl, status%parse, ":2:2: this looks like a decimal comma")
+      call expect("t;gx"//nl//"0;2"//nl//"1;2,5;"//nl//"1 2,5;3"//nl, status%parse, ":3:4: ")
+      call expect("1,5"//nl//"2,25"//nl//"0,05"//nl, status%parse, ":3:2: this looks like a decimal comma")
+      call expect("1,5"//nl//"2,25"//nl//"gx"//nl, status%parse, ":3:3: 1 column")
    end subroutine test_commas
 
-   subroutine test_files(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine test_files()
       type(record_type) :: record
 
       call read_record("/nonexistent/a.txt", reader_options(), record, failed)
@@ -244,8 +220,7 @@ contains
       call check(error, failed%message, "/tmp: is a directory"//nl//"give the file in it that holds the record")
    end subroutine test_files
 
-   subroutine test_unknown_columns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_unknown_columns()
       type(reader_options) :: options
       character(*), parameter :: named = "t gx gy gz"//nl//"0 1 2 3"//nl//"1 2 3 4"//nl
       character(8), parameter :: asked(5) = [character(8) :: "gxx", "foo", "5", "0", "gx,2"]
@@ -266,8 +241,7 @@ contains
    end subroutine test_unknown_columns
 
    !> Options that are wrong whatever the file holds.
-   subroutine test_options(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_options()
       type(reader_options) :: options
       integer :: code
 
@@ -290,8 +264,7 @@ contains
    end subroutine test_options
 
    !> Options that do not fit the file or each other.
-   subroutine test_options_file(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_options_file()
       type(reader_options) :: options
       integer :: code
       character(:), allocatable :: text
@@ -316,8 +289,7 @@ contains
    end subroutine test_options_file
 
    !> The line's number is right after many blocks, comments and blank lines.
-   subroutine test_later_block(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_later_block()
       integer, parameter :: groups = 60000
       character(20*groups) :: content
       integer :: i
@@ -325,7 +297,7 @@ contains
       do i = 1, groups
          content(20*i - 19:20*i) = "0.123456 1"//nl//"# c"//nl//nl//"1 2"//nl
       end do
-      call expect(error, content//"1 2x"//nl, status%parse, ":240001:3: '2x' is not a number")
+      call expect(content//"1 2x"//nl, status%parse, ":240001:3: '2x' is not a number")
    end subroutine test_later_block
 
 end module test_reader_errors

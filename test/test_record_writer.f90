@@ -1,35 +1,29 @@
 ! SPDX-License-Identifier: MIT
 !> Records written as text.
 module test_record_writer
-   use expectations, only : check, check_refused
-   use testdrive, only : error_type, unittest_type, new_unittest, test_failed
+   use expectations, only : failure => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_record, only : record_type, text_type, add_text
    use gyroakf_io_record_writer, only : write_record
    use scratch_file, only : scratch_path, read_bytes, remove_file
    implicit none (type, external)
    private
-   public :: collect_record_writer
+   public :: suite_record_writer
 
 contains
 
-   subroutine collect_record_writer(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      allocate (testsuite(4))
-      testsuite(1) = new_unittest("layout", test_layout)
-      testsuite(2) = new_unittest("numbers", test_numbers)
-      testsuite(3) = new_unittest("long", test_long)
-      testsuite(4) = new_unittest("failures", test_failures)
-   end subroutine collect_record_writer
+   subroutine suite_record_writer()
+      call test("layout", test_layout)
+      call test("numbers", test_numbers)
+      call test("long", test_long)
+      call test("failures", test_failures)
+   end subroutine suite_record_writer
 
    !> Header keys, columns, missing samples
-   subroutine test_layout(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_layout()
       type(record_type) :: record
       type(text_type), allocatable :: header(:)
-      type(gyro_error), allocatable :: failure
       character(:), allocatable :: text
 
       call add_text(header, "made by hand")
@@ -44,56 +38,47 @@ contains
       record%present = 1
       record%present(2, 1) = 0
       call write_record(path(), record, header, 6, failure)
-      call check(error, .not. allocated(failure))
-      if (allocated(error)) return
+      if (went_wrong(failure)) return
       call read_back(text)
       call check(error, text, "# made by hand|# rate_hz: 100|# unit: deg/s|# columns: gx gy|1.5 -2|nan 1e-07|")
    end subroutine test_layout
 
    !> As C's %.9g; nothing known but the values
-   subroutine test_numbers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_numbers()
       type(record_type) :: record
       type(text_type), allocatable :: header(:)
-      type(gyro_error), allocatable :: failure
       character(:), allocatable :: text
 
       allocate (header(0), record%value(12, 1))
       record%value(:, 1) = [0.0_dp, 1.0_dp, -1.0_dp, 0.1_dp, 123456789.4_dp, 1234567891.0_dp, 999999999.9_dp, 0.0001_dp, &
          & 0.00009999999999_dp, 1.0_dp/3, -huge(1.0_dp), tiny(1.0_dp)]
       call write_record(path(), record, header, 9, failure)
-      call check(error, .not. allocated(failure))
-      if (allocated(error)) return
+      if (went_wrong(failure)) return
       call read_back(text)
       call check(error, text, "0|1|-1|0.1|123456789|1.23456789e+09|1e+09|0.0001|0.0001|0.333333333|"// &
          & "-1.79769313e+308|2.22507386e-308|")
    end subroutine test_numbers
 
    !> More than one block of output, at 17 digits: every value is read back to the last bit.
-   subroutine test_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long()
       type(record_type) :: record
       type(text_type), allocatable :: header(:)
-      type(gyro_error), allocatable :: failure
       real(dp) :: again(20000)
       integer :: i, unit
 
       allocate (header(0), record%value(20000, 1))
       record%value(:, 1) = [(sin(real(i, dp))*10.0_dp**mod(i, 30), i=1, 20000)]
       call write_record(path(), record, header, 17, failure)
-      call check(error, .not. allocated(failure))
-      if (allocated(error)) return
+      if (went_wrong(failure)) return
       open (newunit=unit, file=path(), status="old")
       read (unit, *) again
       close (unit, status="delete")
       call check(error, maxval(abs(again - record%value(:, 1))) <= 0)
    end subroutine test_long
 
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(record_type) :: record
       type(text_type), allocatable :: header(:)
-      type(gyro_error), allocatable :: failure
       integer :: i
       integer, parameter :: digits(2) = [-1, 18]
 
@@ -101,10 +86,10 @@ contains
       record%value(1, 1) = 0
       do i = 1, 2
          call write_record(path(), record, header, digits(i), failure)
-         call check_refused(error, failure, status%invalid_argument)
+         call check_refused(failure, status%invalid_argument)
       end do
       call write_record("no/such/directory/x.txt", record, header, 9, failure)
-      call check_refused(error, failure, status%io)
+      call check_refused(failure, status%io)
       call check(error, index(failure%message, "no/such/directory/x.txt") > 0)
    end subroutine test_failures
 

@@ -2,26 +2,20 @@
 !> Tests of the release constants: one version everywhere.
 module test_release
    use gyroakf_release, only : release_major, release_minor, release_number, release_patch, release_string
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, test_failed, unittest_type
+   use expectations, only : test, error, check
    implicit none (type, external)
    private
-   public :: collect_release
+   public :: suite_release
 
 contains
 
-   subroutine collect_release(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("numbers", test_numbers), &
-         & new_unittest("manifest", test_manifest)]
-   end subroutine collect_release
+   subroutine suite_release()
+      call test("numbers", test_numbers)
+      call test("manifest", test_manifest)
+   end subroutine suite_release
 
    !> The text and the number are made of the same three parts.
-   subroutine test_numbers(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_numbers()
       character(32) :: text
 
       write (text, '(i0, ".", i0, ".", i0)') release_major, release_minor, release_patch
@@ -30,16 +24,13 @@ contains
    end subroutine test_numbers
 
    !> fpm.toml, read from the directory in which fpm runs the tests, has the same version.
-   subroutine test_manifest(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_manifest()
       character(*), parameter :: key = "version = """
       character(256) :: line
       integer :: unit, stat
 
       open (newunit=unit, file="fpm.toml", status="old", action="read", iostat=stat)
       call check(error, stat == 0, "fpm.toml cannot be opened: run the tests from the root of the project")
-      if (allocated(error)) return
       do
          read (unit, "(a)", iostat=stat) line
          if (stat /= 0) exit
@@ -47,7 +38,7 @@ contains
       end do
       close (unit)
       if (stat /= 0) then
-         call test_failed(error, "no version in fpm.toml")
+         call check(error, .false., "no version in fpm.toml")
       else
          call check(error, trim(line), key//release_string//"""", "fpm.toml and release_string differ")
       end if

@@ -1,10 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Reports: layout, what they say, the document against its schema, tables for other programs.
 module test_report
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : failed => problem, test, error, check
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : add_text, record_type
    use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_io_writer, only : writer_type
@@ -22,40 +20,37 @@ module test_report
    use report_fixture, only : make_record, make_result, fill_drift, begin_text, end_text
    implicit none (type, external)
    private
-   public :: collect_report
+   public :: suite_report
 
    character(1), parameter :: lf = new_line("a")
 
 contains
 
    !> Names the tests.
-   subroutine collect_report(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("numbers", test_numbers), &
-         new_unittest("document-command-line", test_command_line), &
-         new_unittest("wrapping", test_wrapping), &
-         new_unittest("table-by-characters", test_table), &
-         new_unittest("run", test_run), &
-         new_unittest("run-tables", test_run_tables), &
-         new_unittest("answer", test_answer), &
-         new_unittest("screen", test_screen), &
-         new_unittest("periodicity", test_periodicity_text), &
-         new_unittest("run-nothing-known", test_nothing_known), &
-         new_unittest("width", test_width), &
-         new_unittest("drift", test_drift), &
-         new_unittest("halves", test_halves), &
-         new_unittest("single-commands", test_single_commands), &
-         new_unittest("document-schema", test_document_schema), &
-         new_unittest("document-inspect", test_document_inspect), &
-         new_unittest("document-empty-rooms", test_document_empty), &
-         new_unittest("document-values", test_document_values), &
-         new_unittest("schema-can-fail", test_schema_can_fail), &
-         new_unittest("csv", test_csv), &
-         new_unittest("mixed-units", test_mixed_units), &
-         new_unittest("csv-channels", test_csv_channels)]
-   end subroutine collect_report
+   subroutine suite_report()
+      call test("numbers", test_numbers)
+      call test("document-command-line", test_command_line)
+      call test("wrapping", test_wrapping)
+      call test("table-by-characters", test_table)
+      call test("run", test_run)
+      call test("run-tables", test_run_tables)
+      call test("answer", test_answer)
+      call test("screen", test_screen)
+      call test("periodicity", test_periodicity_text)
+      call test("run-nothing-known", test_nothing_known)
+      call test("width", test_width)
+      call test("drift", test_drift)
+      call test("halves", test_halves)
+      call test("single-commands", test_single_commands)
+      call test("document-schema", test_document_schema)
+      call test("document-inspect", test_document_inspect)
+      call test("document-empty-rooms", test_document_empty)
+      call test("document-values", test_document_values)
+      call test("schema-can-fail", test_schema_can_fail)
+      call test("csv", test_csv)
+      call test("mixed-units", test_mixed_units)
+      call test("csv-channels", test_csv_channels)
+   end subroutine suite_report
 
    !> The text of the report of the whole job.
    subroutine run_text(command, known, text)
@@ -88,16 +83,13 @@ contains
       end do
    end function longest_line
 
-   subroutine test_numbers(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_numbers()
       call check(error, fixed(-0.5_dp, 2)//" "//scientific(1.4883e-4_dp, 5)//" "//scientific(1.0e-120_dp, 2)//" "// &
                  p_value_text(0.031_dp)//" "//p_value_text(0.0_dp), "-0.50 1.4883e-04 1.0e-120 p = 0.031 p < 1e-20")
       call check(error, plural(1_int64, "gap")//", "//plural(0_int64, "gap"), "1 gap, 0 gaps")
    end subroutine test_numbers
 
-   subroutine test_wrapping(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_wrapping()
       type(writer_type) :: writer
       character(:), allocatable :: text
 
@@ -111,8 +103,7 @@ contains
    end subroutine test_wrapping
 
    !> "deg" as a sign has two bytes and one column.
-   subroutine test_table(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_table()
       type(writer_type) :: writer
       type(table_type) :: table
       character(:), allocatable :: text
@@ -127,8 +118,7 @@ contains
    end subroutine test_table
 
    !> What was read, removed, tested, and what to make of it.
-   subroutine test_run(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_run()
       character(130), parameter :: fragments(16) = [character(130) :: "12 in 1 channel: gx", &
             "5 Hz (as the file says); 2.4 s", &
          "deg/s (as the option says)", "the stamps show 5.2 Hz", &
@@ -182,8 +172,7 @@ contains
 
    !> Golden lines of the three tables. N: 0.0158 deg/sqrt(s) = 0.948 deg/sqrt(h); 80 % less after the AKF. B is lost in it:
    !> limit 3e-3*0.2 of 4e-3, so more than 85 % less.
-   subroutine test_run_tables(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_run_tables()
       character(100), parameter :: lines(8) = [character(100) :: &
          "    * 1  4.3600e-04  -58801.12  0.00  0.00  0.00  0.0000e+00  -4.900012", &
          "  KF (paper)  0.000e+00 1.4908e-04 28.4 % 0.48 0.6072 0.750   0.2 colored", &
@@ -203,8 +192,7 @@ contains
    end subroutine test_run_tables
 
    !> The head of the report: a row for each channel, a table for each unit, numbers rounded to their errors.
-   subroutine test_answer(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_answer()
       character(100), parameter :: lines(3) = [character(100) :: &
          "      deg/s      deg/sqrt(h)         deg/h  deg/h^1.5    deg/h       s", &
          "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6      < 648       18     100", &
@@ -224,8 +212,7 @@ contains
    end subroutine test_answer
 
    !> The first screen: what was read, a row for each channel, one chart, what several channels share told once.
-   subroutine test_screen(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_screen()
       character(6), parameter :: commands(4) = [character(6) :: "run", "tests", "ar", "filter"]
       character(100), parameter :: fragments(7) = [character(100) :: &
          "  Record          data/gyro.txt: 12 samples, 5 Hz", "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6", &
@@ -265,8 +252,7 @@ contains
    end subroutine test_screen
 
    !> Fisher's test and the spectrum.
-   subroutine test_periodicity_text(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_periodicity_text()
       character(:), allocatable :: wrapped, text
 
       call run_text("run", .true., wrapped)
@@ -279,8 +265,7 @@ contains
    end subroutine test_periodicity_text
 
    !> No rate, no unit: per sample and in input units, and which options would help.
-   subroutine test_nothing_known(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing_known()
       character(:), allocatable :: text, flat
 
       call run_text("run", .false., text)
@@ -294,8 +279,7 @@ contains
    end subroutine test_nothing_known
 
    !> A long path, a long name, huge numbers: never wider than 80 columns.
-   subroutine test_width(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_width()
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
@@ -316,8 +300,7 @@ contains
    end subroutine test_width
 
    !> The comparison of the halves.
-   subroutine test_halves(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_halves()
       character(:), allocatable :: text, flat
 
       call run_text("allan", .true., text)
@@ -327,8 +310,7 @@ contains
    end subroutine test_halves
 
    !> The shorter reports say their part and keep the width.
-   subroutine test_single_commands(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_single_commands()
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
@@ -375,8 +357,7 @@ contains
    end subroutine document
 
    !> The document agrees with doc/schema.json: types, and no key more or less.
-   subroutine check_document(error, record, result)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_document(record, result)
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in), optional :: result
       type(json_item), allocatable :: items(:), schema(:)
@@ -393,8 +374,7 @@ contains
    end subroutine check_document
 
    !> The command line as it was typed; null in documents of the library.
-   subroutine test_command_line(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_command_line()
       type(record_type) :: record
       type(writer_type) :: writer
       type(json_item), allocatable :: items(:)
@@ -411,26 +391,24 @@ contains
       call check(error, json_text_at(items, "/command_line"), '"gyroakf inspect '//"'a b'"//'\u000a"')
    end subroutine test_command_line
 
-   subroutine test_document_schema(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_document_schema()
       type(record_type) :: record
       type(pipeline_result_type) :: result
 
       call make_record(record, .true.)
       call make_result(record, result)
-      call check_document(error, record, result)
+      call check_document(record, result)
       call make_record(record, .false.)
       call fill_drift(record, result%channel(1))
-      call check_document(error, record, result)
+      call check_document(record, result)
       result%channel(1)%drift%found = .false.
       result%channel(1)%drift%errors_known = .false.
       result%channel(1)%available%drift_smoother = .false.
-      call check_document(error, record, result)
+      call check_document(record, result)
    end subroutine test_document_schema
 
    !> The drift in words, beside the paper's filters; found and not found.
-   subroutine test_drift(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_drift()
       character(110), parameter :: fragments(16) = [character(110) :: &
          "no outliers 4.300e-03 5.5000e-04  100 %", &
          "drift KF 0.000e+00 1.0000e-05  1.8 % 0.48 1.0000 0.750   0.2 colored", &
@@ -478,17 +456,15 @@ contains
                  index(flat, "there is nothing that a filter could follow") > 0, flat)
    end subroutine test_drift
 
-   subroutine test_document_inspect(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_document_inspect()
       type(record_type) :: record
 
       call make_record(record, .true.)
-      call check_document(error, record)
+      call check_document(record)
    end subroutine test_document_inspect
 
    !> A channel of which nothing could be computed.
-   subroutine test_document_empty(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_document_empty()
       type(record_type) :: record
       type(pipeline_result_type) :: result
 
@@ -496,11 +472,10 @@ contains
       allocate (result%channel(1))
       allocate (result%channel(1)%allan(6))
       result%channel(1)%name = "gx"
-      call check_document(error, record, result)
+      call check_document(record, result)
    end subroutine test_document_empty
 
-   subroutine test_document_values(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_document_values()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(json_item), allocatable :: items(:)
@@ -531,8 +506,7 @@ contains
    end subroutine test_document_values
 
    !> The comparison sees a missing key, a key too many and a wrong type.
-   subroutine test_schema_can_fail(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_schema_can_fail()
       character(*), parameter :: schema_text = '{"type":"object","properties":{"a":{"type":["integer","null"]}}}'
       character(9), parameter :: wrong_text(4) = [character(9) :: "{}", '{"a":1.5}', '{"b":1}', '{"a":"x"}']
       type(json_item), allocatable :: schema(:), items(:)
@@ -553,8 +527,7 @@ contains
       call check(error, wrong, "")
    end subroutine test_schema_can_fail
 
-   subroutine test_csv(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_csv()
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
@@ -579,13 +552,11 @@ contains
    end subroutine test_csv
 
    !> Gyroscopes beside accelerometers: a unit for each channel, none for the record.
-   subroutine test_mixed_units(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_mixed_units()
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(json_item), allocatable :: items(:)
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: text
       logical :: valid
 
@@ -611,12 +582,10 @@ contains
    end subroutine test_mixed_units
 
    !> Two channels stand side by side; missing is nan, but the filters bridge it.
-   subroutine test_csv_channels(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_csv_channels()
       type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: one, two
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: text
       integer :: c
 

@@ -3,16 +3,14 @@
 module test_sage_husa
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_filter_sage_husa, only : consistency_factor
    use gyroakf_filter_packed, only : is_packed, pack_filter, packed_length, packed_numbers, step_packed
    use filter_library, only : companion_matrix, fill_noise, make_series, paper_phi
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_sage_husa
+   public :: suite_sage_husa
 
    !> The four forms of the adaptation of R
    character(8), parameter :: forms(4) = ["exact   ", "residual", "paper   ", "biased  "]
@@ -21,30 +19,27 @@ module test_sage_husa
 
 contains
 
-   subroutine collect_sage_husa(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("increments_are_the_recursion", test_increments), &
-         & new_unittest("increments_order_three", test_increments_three), &
-         & new_unittest("scalar_and_vector_agree", test_scalar_vector), &
-         & new_unittest("step_and_run_agree", test_step_run), &
-         & new_unittest("weights", test_weights), &
-         & new_unittest("consistency_factor", test_consistency), &
-         & new_unittest("guards_over_priors", test_guards), &
-         & new_unittest("vector_guards", test_vector_guards), &
-         & new_unittest("wrong_r_is_forgotten", test_wrong_r), &
-         & new_unittest("pure_ar_has_no_noise", test_pure_ar), &
-         & new_unittest("printed_posterior_holds_back", test_paper_form), &
-         & new_unittest("gate_and_outliers", test_gate), &
-         & new_unittest("level_shift_is_accepted", test_level_shift), &
-         & new_unittest("burn_in", test_burn_in), &
-         & new_unittest("missing_does_not_adapt", test_missing), &
-         & new_unittest("freeze", test_freeze), &
-         & new_unittest("offset_goes_into_r", test_offset), &
-         & new_unittest("packed", test_packed), &
-         & new_unittest("million_steps", test_million)]
-   end subroutine collect_sage_husa
+   subroutine suite_sage_husa()
+      call test("increments_are_the_recursion", test_increments)
+      call test("increments_order_three", test_increments_three)
+      call test("scalar_and_vector_agree", test_scalar_vector)
+      call test("step_and_run_agree", test_step_run)
+      call test("weights", test_weights)
+      call test("consistency_factor", test_consistency)
+      call test("guards_over_priors", test_guards)
+      call test("vector_guards", test_vector_guards)
+      call test("wrong_r_is_forgotten", test_wrong_r)
+      call test("pure_ar_has_no_noise", test_pure_ar)
+      call test("printed_posterior_holds_back", test_paper_form)
+      call test("gate_and_outliers", test_gate)
+      call test("level_shift_is_accepted", test_level_shift)
+      call test("burn_in", test_burn_in)
+      call test("missing_does_not_adapt", test_missing)
+      call test("freeze", test_freeze)
+      call test("offset_goes_into_r", test_offset)
+      call test("packed", test_packed)
+      call test("million_steps", test_million)
+   end subroutine suite_sage_husa
 
    !> Options that adapt these letters
    pure type(filter_options) function adapting(letters, form, forgetting) result(options)
@@ -96,12 +91,10 @@ contains
    end function literal
 
    !> Compares 200 steps of a filter with the literal recursion
-   subroutine compare(error, phi, form)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine compare(phi, form)
       real(dp), intent(in) :: phi(:)
       character(*), intent(in) :: form
       real(dp), parameter :: b = 0.98_dp
-      type(gyro_error), allocatable :: failure
       type(filter_type) :: filter, before
       type(filter_options) :: options
       real(dp) :: z(200), x, expected(4)
@@ -123,28 +116,24 @@ contains
       call check(error, filter%clamped < 100, "nearly every step was held at a bound: nothing was compared")
    end subroutine compare
 
-   subroutine test_increments(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_increments()
       integer :: i
 
       do i = 1, size(forms)
-         call compare(error, [0.6_dp], trim(forms(i)))
+         call compare([0.6_dp], trim(forms(i)))
       end do
    end subroutine test_increments
 
-   subroutine test_increments_three(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_increments_three()
       integer :: i
 
       do i = 1, size(forms)
-         call compare(error, phi3, trim(forms(i)))
+         call compare(phi3, trim(forms(i)))
       end do
    end subroutine test_increments_three
 
    !> The path for one coefficient against the general one, for every form, with gate, burn-in and missing samples
-   subroutine test_scalar_vector(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_scalar_vector()
       type(filter_type) :: one, two
       type(filter_options) :: options
       real(dp) :: z(3000), x1(3000), x2(3000)
@@ -169,9 +158,7 @@ contains
    end subroutine test_scalar_vector
 
    !> A filter held as numbers, as FORTRAN 77 has it, gives what the filter gives, at its bounds too.
-   subroutine test_packed(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_packed()
       type(filter_type) :: filter
       type(filter_options) :: options
       real(dp) :: z(3000), state(packed_length(3)), numbers(9), x, estimate
@@ -190,8 +177,7 @@ contains
          options%burn_in = 30
          call new_filter(filter, phi3, 0.5_dp, 2.0_dp, options, failure)
          call pack_filter(filter, state)
-         call check(error, is_packed(state) .and. .not. allocated(failure), "it is one")
-         if (allocated(error)) return
+         if (unmet(is_packed(state) .and. .not. allocated(failure), "it is one")) return
          do k = 1, size(z)
             call step_filter(filter, z(k), x)
             call step_packed(state, z(k), estimate)
@@ -203,9 +189,7 @@ contains
    end subroutine test_packed
 
    !> d_k = (1 - b)/(1 - b^(k+1)); 1/(k + 1) where b = 1; 1 - b in the end
-   subroutine test_weights(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_weights()
       type(filter_type) :: filter
       real(dp) :: b, x, expected
       integer :: i, k
@@ -223,8 +207,7 @@ contains
    end subroutine test_weights
 
    !> E min(u^2, c^2): values of reference, and the integral by the midpoint rule
-   subroutine test_consistency(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_consistency()
       real(dp) :: u, total
       integer :: i
 
@@ -240,10 +223,8 @@ contains
    end subroutine test_consistency
 
    !> Priors of Q and R wrong by 1e-3 ... 1e3, three b, every subset and form: never S <= 0, never NaN, never diverging
-   subroutine test_guards(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_guards()
       character(4), parameter :: subsets(6) = ["QR  ", "qrQR", "R   ", "Q   ", "rR  ", "qQ  "]
-      type(gyro_error), allocatable :: failure
       type(filter_type) :: filter
       type(filter_options) :: options
       real(dp) :: z(2000), x(2000), b(3)
@@ -268,9 +249,7 @@ contains
    end subroutine test_guards
 
    !> The same for order 3, where the unguarded recursion breaks in every run
-   subroutine test_vector_guards(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_vector_guards()
       type(filter_type) :: filter
       real(dp) :: z(3000), x(3000)
       integer :: i, iq, ir, k
@@ -294,9 +273,7 @@ contains
 
    !> R only, by residuals, Q right, R from 1e-3 to 1e3 of the truth, bounds hanging on the differences: error within
    !> 1.07 of the filter that knows R (drift 0.98 with variance 1e-4, white 4.2e-4, as in a cheap gyroscope)
-   subroutine test_wrong_r(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_wrong_r()
       type(filter_type) :: filter, oracle
       type(filter_options) :: options
       real(dp), parameter :: phi = 0.98_dp, d = 1.0e-4_dp, r = 4.2e-4_dp
@@ -320,9 +297,7 @@ contains
    end subroutine test_wrong_r
 
    !> Data that are exactly AR(1) hold no white noise: R falls to its bound, the filter passes the series
-   subroutine test_pure_ar(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_pure_ar()
       type(filter_type) :: filter
       real(dp), allocatable :: z(:), x(:)
 
@@ -336,9 +311,7 @@ contains
    end subroutine test_pure_ar
 
    !> The printed posterior in (22) biases R upwards: on the same data R alone rests near a gain of 0.63
-   subroutine test_paper_form(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_paper_form()
       type(filter_type) :: filter
       real(dp), allocatable :: z(:), x(:)
 
@@ -350,9 +323,7 @@ contains
    end subroutine test_paper_form
 
    !> One outlier of 50 sigma: with the gate the estimate moves by a twentieth; R does not jump
-   subroutine test_gate(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_gate()
       type(filter_type) :: gated, open_filter
       type(filter_options) :: options
       real(dp) :: z(1001), x(1001), y(1001), moved(2)
@@ -372,9 +343,7 @@ contains
    end subroutine test_gate
 
    !> A step of 100 sigma that stays: accepted after eleven gated samples, without one the filter would crawl
-   subroutine test_level_shift(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_level_shift()
       type(filter_type) :: filter
       type(filter_options) :: options
       real(dp) :: z(600), x(600)
@@ -391,9 +360,7 @@ contains
    end subroutine test_level_shift
 
    !> R stays as given for so many measurements; automatic: at least 20
-   subroutine test_burn_in(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_burn_in()
       type(filter_type) :: filter
       type(filter_options) :: options
       real(dp) :: z(400), x(400)
@@ -420,9 +387,7 @@ contains
    end subroutine test_burn_in
 
    !> A missing sample moves the state, not the noise
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_missing()
       type(filter_type) :: filter, before
       real(dp) :: x
       integer :: order
@@ -439,9 +404,7 @@ contains
    end subroutine test_missing
 
    !> Frozen, the noise stays and the state goes on; afterwards adaptation resumes
-   subroutine test_freeze(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_freeze()
       type(filter_type) :: filter
       real(dp) :: z(100), x(100), r, q
       integer :: order
@@ -463,9 +426,7 @@ contains
    end subroutine test_freeze
 
    !> r adapted alone takes up a constant offset whole
-   subroutine test_offset(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_offset()
       type(filter_type) :: filter
       real(dp) :: z(5000), x(5000)
 
@@ -479,9 +440,7 @@ contains
 
    !> Step by step and in one run the object goes the same way, to the last bit: whatever is adapted, with gate, burn-in, missing
    !> samples, outliers, bounds that act, and frozen
-   subroutine test_step_run(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_step_run()
       type(filter_options) :: options
       type(filter_type) :: run, step
       real(dp) :: z(600), x(600), y
@@ -498,8 +457,7 @@ contains
          options%r_upper = 2.0_dp
          options%q_lower = 0.5_dp
          call new_filter(run, [0.5_dp], 0.75_dp, 1.0_dp, options, failure)
-         call check(error,.not. allocated(failure), "the filter is not made")
-         if (allocated(error)) return
+         if (went_wrong(failure, "the filter is not made")) return
          step = run
          do part = 0, 400, 200
             call freeze_filter(run, part == 200)
@@ -527,9 +485,7 @@ contains
    end function numbers
 
    !> A million steps of the paper's form: finite, within the bounds
-   subroutine test_million(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_million()
       type(filter_type) :: filter
       real(dp), allocatable :: z(:), x(:)
 

@@ -3,32 +3,27 @@
 module test_selftest
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, fatal_error, status
+   use gyroakf_error, only : fatal_error, status
    use gyroakf_io_writer, only : commit_writer, open_writer, writer_type
    use gyroakf_report_selftest_report, only : report_selftest, selftest_sum
    use gyroakf_selftest, only : add_check, run_selftest, selftest_type
    use json_reader, only : file_text
    use scratch_file, only : scratch_path, remove_file
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_selftest
+   public :: suite_selftest
 
 contains
 
-   subroutine collect_selftest(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_selftest()
+      call test("all_agree", test_all_agree)
+      call test("every_check_can_fail", test_can_fail)
+      call test("wrong_value_fails", test_wrong_value)
+      call test("report", test_report)
+   end subroutine suite_selftest
 
-      testsuite = [ &
-         & new_unittest("all_agree", test_all_agree), &
-         & new_unittest("every_check_can_fail", test_can_fail), &
-         & new_unittest("wrong_value_fails", test_wrong_value), &
-         & new_unittest("report", test_report)]
-   end subroutine collect_selftest
-
-   subroutine test_all_agree(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_all_agree()
       type(selftest_type) :: result
       integer :: i
 
@@ -41,8 +36,7 @@ contains
    end subroutine test_all_agree
 
    !> A value that is wrong in its sixth digit fails every check, and no name is cut.
-   subroutine test_can_fail(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_can_fail()
       type(selftest_type) :: result
       integer :: i
 
@@ -59,7 +53,6 @@ contains
    !> Right and wrong values, and what is not there.
    subroutine make_result(result)
       type(selftest_type), intent(out) :: result
-      type(gyro_error), allocatable :: failure
 
       allocate (result%check(0))
       call add_check(result, "a group", "right", [1.0_dp, 2.0_dp], [1.0_dp, 2.0_dp + 1.0e-11_dp], .false.)
@@ -73,8 +66,7 @@ contains
       call add_check(result, "a group", "failed", [1.0_dp], [1.0_dp], .false., failure)
    end subroutine make_result
 
-   subroutine test_wrong_value(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_wrong_value()
       type(selftest_type) :: result
 
       call make_result(result)
@@ -84,19 +76,16 @@ contains
       call check(error, selftest_sum(result), "8 checks, 6 FAILED")
    end subroutine test_wrong_value
 
-   subroutine test_report(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_report()
       type(selftest_type) :: result
       type(writer_type) :: writer
-      type(gyro_error), allocatable :: failure
       character(:), allocatable :: text
 
       call make_result(result)
       call open_writer(writer, scratch_path("selftest.txt"), failure)
       call report_selftest(writer, result)
       call commit_writer(writer, failure)
-      call check(error, .not. allocated(failure), "the report is written")
-      if (allocated(error)) return
+      if (went_wrong(failure, "the report is written")) return
       text = file_text(scratch_path("selftest.txt"))
       call remove_file(scratch_path("selftest.txt"))
       call check(error, index(text, "9.122945e+01  ok") > 0 .and. index(text, "9.122946e+01  FAILED") > 0, text)

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Simulated records: the Allan variance of every term, repeatability, every option, the example record.
 module test_simulate
-   use expectations, only : check
-   use testdrive, only : error_type, unittest_type, new_unittest, test_failed
+   use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_record, only : record_type, text_type, add_text
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_random, only : random_type, seed_random
@@ -15,7 +14,7 @@ module test_simulate
       & ieee_set_halting_mode
    implicit none (type, external)
    private
-   public :: collect_simulate
+   public :: suite_simulate
 
    !> Records, their length and the averaging factors of the Monte Carlo tests
    integer, parameter :: records = 60, length = 4096, factors(4) = [1, 2, 8, 64]
@@ -25,53 +24,47 @@ module test_simulate
 
 contains
 
-   subroutine collect_simulate(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      allocate (testsuite(20))
-      testsuite(1) = new_unittest("quantisation-noise", test_q)
-      testsuite(2) = new_unittest("angle-random-walk", test_n)
-      testsuite(3) = new_unittest("bias-instability", test_b)
-      testsuite(4) = new_unittest("rate-random-walk", test_k)
-      testsuite(5) = new_unittest("ramp", test_r)
-      testsuite(6) = new_unittest("autoregressive", test_ar)
-      testsuite(7) = new_unittest("autoregressive-start", test_ar_start)
-      testsuite(8) = new_unittest("repeatable", test_repeatable)
-      testsuite(9) = new_unittest("streams", test_streams)
-      testsuite(10) = new_unittest("trend-offset", test_trend)
-      testsuite(11) = new_unittest("outliers", test_outliers)
-      testsuite(12) = new_unittest("lsb", test_lsb)
-      testsuite(13) = new_unittest("missing", test_missing)
-      testsuite(14) = new_unittest("record-fields", test_fields)
-      testsuite(15) = new_unittest("paper-preset", test_paper)
-      testsuite(16) = new_unittest("example-file", test_example)
-      testsuite(17) = new_unittest("failures", test_failures)
-      testsuite(18) = new_unittest("failures-of-lists", test_list_failures)
-      testsuite(19) = new_unittest("truth", test_truth)
-      testsuite(20) = new_unittest("overflow", test_overflow)
-   end subroutine collect_simulate
+   subroutine suite_simulate()
+      call test("quantisation-noise", test_q)
+      call test("angle-random-walk", test_n)
+      call test("bias-instability", test_b)
+      call test("rate-random-walk", test_k)
+      call test("ramp", test_r)
+      call test("autoregressive", test_ar)
+      call test("autoregressive-start", test_ar_start)
+      call test("repeatable", test_repeatable)
+      call test("streams", test_streams)
+      call test("trend-offset", test_trend)
+      call test("outliers", test_outliers)
+      call test("lsb", test_lsb)
+      call test("missing", test_missing)
+      call test("record-fields", test_fields)
+      call test("paper-preset", test_paper)
+      call test("example-file", test_example)
+      call test("failures", test_failures)
+      call test("failures-of-lists", test_list_failures)
+      call test("truth", test_truth)
+      call test("overflow", test_overflow)
+   end subroutine suite_simulate
 
    !> 3 Q^2/tau^2, exact at every m
-   subroutine test_q(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_q()
       type(simulate_options) :: options
 
       options%coefficient(1) = 0.3_dp
-      call check_avar(error, options, 3*(0.3_dp*options%rate_hz/factors)**2)
+      call check_avar(options, 3*(0.3_dp*options%rate_hz/factors)**2)
    end subroutine test_q
 
    !> N^2/tau, exact at every m
-   subroutine test_n(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_n()
       type(simulate_options) :: options
 
       options%coefficient(2) = 0.02_dp
-      call check_avar(error, options, 0.02_dp**2*options%rate_hz/factors)
+      call check_avar(options, 0.02_dp**2*options%rate_hz/factors)
    end subroutine test_n
 
    !> The exact expectation of the filter that begins with the record; 1.5 % above (2 ln 2/pi) B^2 at m = 8, on it at 64.
-   subroutine test_b(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_b()
       type(simulate_options) :: options
       real(dp) :: expected(size(factors)), floor_value
       integer :: i
@@ -83,21 +76,19 @@ contains
       call check(error, expected(3), 1.0153_dp*floor_value, thr=1.0e-4_dp, rel=.true.)
       call check(error, expected(4), floor_value, thr=1.0e-3_dp, rel=.true.)
       options%coefficient(3) = 0.05_dp
-      call check_avar(error, options, expected)
+      call check_avar(options, expected)
    end subroutine test_b
 
    !> K^2 tau/3 at every m, because rates are means over their intervals (a plain cumulated sum has 1.5 times that at m = 1)
-   subroutine test_k(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_k()
       type(simulate_options) :: options
 
       options%coefficient(4) = 0.1_dp
-      call check_avar(error, options, 0.1_dp**2*factors/options%rate_hz/3)
+      call check_avar(options, 0.1_dp**2*factors/options%rate_hz/3)
    end subroutine test_k
 
    !> R^2 tau^2/2 exactly, for either sign; the first rate is the mean over the first interval.
-   subroutine test_r(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_r()
       type(simulate_options) :: options
       real(dp) :: x(length)
       integer :: i
@@ -112,25 +103,22 @@ contains
    end subroutine test_r
 
    !> s2 (n - 3 p - n p^2 + 4 p^(n+1) - p^(2n+1))/(n^2 (1-p)^2 (1-p^2)), s2 the innovation variance (N. Zhang, Metrologia 2008)
-   subroutine test_ar(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_ar()
       type(simulate_options) :: options
       real(dp), parameter :: p = 0.9_dp, variance = 2.5_dp
 
       options%ar = [p]
       options%ar_variance = variance
-      call check_avar(error, options, variance*(factors*(1 - p**2) - 3*p + 4*p**(factors + 1) - p**(2*factors + 1)) &
+      call check_avar(options, variance*(factors*(1 - p**2) - 3*p + 4*p**(factors + 1) - p**(2*factors + 1)) &
          & /(real(factors, dp)**2*(1 - p)**2))
    end subroutine test_ar
 
    !> AR(2) is stationary from its first sample: variance and the first two correlations over many starts.
-   subroutine test_ar_start(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_ar_start()
       integer, parameter :: starts = 4000
       real(dp), parameter :: phi(2) = [1.2_dp, -0.6_dp], rho_1 = 1.2_dp/1.6_dp, rho_2 = 1.2_dp*rho_1 - 0.6_dp
       real(dp), allocatable :: x(:, :)
       type(random_type) :: random
-      type(gyro_error), allocatable :: failure
       real(dp) :: bound
       integer :: i, k
 
@@ -147,8 +135,7 @@ contains
       end do
    end subroutine test_ar_start
 
-   subroutine test_repeatable(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_repeatable()
       type(simulate_options) :: options
       real(dp) :: x(500), y(500)
 
@@ -165,8 +152,7 @@ contains
    end subroutine test_repeatable
 
    !> Each random term alone, added up, is all of them together: no term's draw depends on another's presence.
-   subroutine test_streams(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_streams()
       type(simulate_options) :: options
       real(dp) :: x(500), y(500), total(500)
       integer :: k
@@ -187,8 +173,7 @@ contains
       call check(error, maxval(abs(x - total)) < 1.0e-12_dp)
    end subroutine test_streams
 
-   subroutine test_trend(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_trend()
       type(simulate_options) :: options
       real(dp) :: x(100)
       integer :: i
@@ -203,8 +188,7 @@ contains
    end subroutine test_trend
 
    !> As many as asked for, 0.75 .. 1.25 of the size, both signs; all samples may be outliers.
-   subroutine test_outliers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_outliers()
       type(simulate_options) :: options
       real(dp) :: x(1000), y(1000), deviation
 
@@ -225,8 +209,7 @@ contains
    end subroutine test_outliers
 
    !> Every value is the nearest multiple of the step, the offset included.
-   subroutine test_lsb(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_lsb()
       type(simulate_options) :: options
       real(dp) :: x(1000), y(1000)
 
@@ -240,17 +223,14 @@ contains
       call check(error, maxval(abs(x - y)) <= 0.125_dp)
    end subroutine test_lsb
 
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(simulate_options) :: options
       type(record_type) :: whole, record
-      type(gyro_error), allocatable :: failure
       integer :: lost
 
       options%coefficient(2) = 1
       call simulate_record(options, whole, failure)
-      call check(error, .not. allocated(whole%present))
-      if (allocated(error)) return
+      if (unmet(.not. allocated(whole%present))) return
       options%missing = 0.05_dp
       call simulate_record(options, record, failure)
       lost = count(record%present(:, 1) == 0_int8)
@@ -259,11 +239,9 @@ contains
       call check(error, maxval(abs(record%value(:, 1) - whole%value(:, 1)*record%present(:, 1))) <= 0, "0 where missing")
    end subroutine test_missing
 
-   subroutine test_fields(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_fields()
       type(simulate_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failure
 
       options%samples = 50
       options%unit = "mdps"
@@ -273,17 +251,14 @@ contains
       call check(error, record%unit%name, "mdps")
       call check(error, record%sample_interval, 0.01_dp)
       call check(error, record%rate_known .and. record%rate_source == "option" .and. record%unit_source == "option")
-      call check(error, size(record%channel) == 1 .and. record%channel(1)%text == "gx")
-      if (allocated(error)) return
-      call check(error, record%audit%samples == 50 .and. size(record%value, 1) == 50)
-      if (allocated(error)) return
+      if (unmet(size(record%channel) == 1 .and. record%channel(1)%text == "gx")) return
+      if (unmet(record%audit%samples == 50 .and. size(record%value, 1) == 50)) return
       call check(error, all(abs([record%audit%minimum(1), record%audit%maximum(1), record%audit%quantisation(1)] &
          & - [2.0_dp, 26.5_dp, 0.5_dp]) <= 0))
    end subroutine test_fields
 
    !> Cubic with mean 0 and extremes at 2221 and 7999; noise of the paper's phi and variance; 12 outliers beyond 5 sigma.
-   subroutine test_paper(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_paper()
       type(simulate_options) :: options
       real(dp) :: trend(12000), x(12000), y(12000), variance, phi
 
@@ -307,27 +282,23 @@ contains
    end subroutine test_paper
 
    !> The example record is the preset, byte for byte.
-   subroutine test_example(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_example()
       type(record_type) :: record
       type(text_type), allocatable :: header(:)
-      type(gyro_error), allocatable :: failure
       character(:), allocatable :: path, made
 
       path = scratch_path("example.txt")
       call simulate_record(paper_preset(paper_seed), record, failure)
       call add_text(header, "made by: gyroakf simulate --preset paper --seed 1140")
       call write_record(path, record, header, 9, failure)
-      call check(error, .not. allocated(failure))
-      if (allocated(error)) return
+      if (went_wrong(failure)) return
       made = read_bytes(path)
       call remove_file(path)
       call check(error, len(made) > 100000 .and. made == read_bytes("example/data/mems_gyro_x.txt"))
    end subroutine test_example
 
    !> Every scalar option out of its range, NaN included
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(simulate_options) :: options
       real(dp) :: nan
       integer :: k
@@ -353,13 +324,12 @@ contains
          case (18); options%rate_hz = 1.0e-200_dp
          case default; options%coefficient(2) = 1.0e300_dp
          end select
-         call expect(error, options, status%invalid_argument, k)
+         call expect(options, status%invalid_argument, k)
       end do
    end subroutine test_failures
 
    !> Lists, models, combinations, sizes
-   subroutine test_list_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_list_failures()
       type(simulate_options) :: options
       real(dp) :: nan
       integer :: k
@@ -374,26 +344,25 @@ contains
          case (4); allocate (options%trend(60), source=0.0_dp)
          case default; options = simulate_options(outliers=3, outlier_size=5.0_dp)    ! no noise to measure them with
          end select
-         call expect(error, options, status%invalid_argument, k)
+         call expect(options, status%invalid_argument, k)
       end do
       options = everything()
       options%ar = [1.0_dp]
-      call expect(error, options, status%unstable, 6)
+      call expect(options, status%unstable, 6)
       options%ar = [0.5_dp, 0.6_dp]
-      call expect(error, options, status%unstable, 7)
+      call expect(options, status%unstable, 7)
       options%samples = 2_int64**62
-      call expect(error, options, status%no_memory, 8)
+      call expect(options, status%no_memory, 8)
    end subroutine test_list_failures
 
    !> Every option is in its range, but outliers of so many standard deviations overflow.
-   subroutine test_overflow(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_overflow()
       real(dp), parameter :: white(5) = [0.0_dp, 1.0e130_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       logical :: halts
 
       call ieee_get_halting_mode(ieee_overflow, halts)
       call ieee_set_halting_mode(ieee_overflow, .false.)
-      call expect(error, simulate_options(samples=100, rate_hz=1.0e139_dp, coefficient=white, outliers=3, &
+      call expect(simulate_options(samples=100, rate_hz=1.0e139_dp, coefficient=white, outliers=3, &
                                           outlier_size=1.0e139_dp), status%non_finite, 1)
       call ieee_set_flag(ieee_overflow, .false.)
       call ieee_set_halting_mode(ieee_overflow, halts)
@@ -432,12 +401,10 @@ contains
    end function only_term
 
    !> The call fails with this code.
-   subroutine expect(error, options, code, k)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine expect(options, code, k)
       type(simulate_options), intent(in) :: options
       integer, intent(in) :: code, k
       type(record_type) :: record
-      type(gyro_error), allocatable :: failure
       character(8) :: number
 
       write (number, "(i0)") k
@@ -445,13 +412,12 @@ contains
       if (allocated(failure)) then
          call check(error, failure%code, code, "case "//number//": "//failure%message)
       else
-         call test_failed(error, "no error in case "//number)
+         call check(error, .false., "no error in case "//number)
       end if
    end subroutine expect
 
    !> The mean Allan variance of many records is the expected one, at each of the factors.
-   subroutine check_avar(error, options, expected)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_avar(options, expected)
       type(simulate_options), intent(inout) :: options
       real(dp), intent(in) :: expected(:)
       real(dp) :: x(length), variance(records), mean, spread
@@ -479,7 +445,6 @@ contains
       type(simulate_options), intent(in) :: options
       real(dp), intent(out) :: x(:)
       type(record_type) :: record
-      type(gyro_error), allocatable :: failure
 
       x = huge(x)
       call simulate_record(options, record, failure)
@@ -527,11 +492,9 @@ contains
    end function flicker_variance
 
    !> The true drift is the record without white noise, quantisation, outliers, rounding and losses.
-   subroutine test_truth(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_truth()
       type(simulate_options) :: options
       type(record_type) :: smooth, record, truth
-      type(gyro_error), allocatable :: failure
 
       options%samples = 3000
       options%coefficient(3:5) = [0.01_dp, 1.0e-3_dp, 1.0e-5_dp]
@@ -540,8 +503,7 @@ contains
       options%trend = [0.1_dp, -1.0e-6_dp]
       options%offset = 0.3_dp
       call simulate_record(options, smooth, failure, truth)
-      call check(error, .not. allocated(failure))
-      if (allocated(error)) return
+      if (went_wrong(failure)) return
       call check(error, maxval(abs(smooth%value - truth%value)) <= 0, "nothing but drift")
       options%coefficient(:2) = [1.0e-3_dp, 0.02_dp]
       options%outliers = 20
@@ -550,12 +512,10 @@ contains
       options%missing = 0.1_dp
       options%unit = "deg/h"
       call simulate_record(options, record, failure, truth)
-      call check(error, .not. allocated(failure))
-      if (allocated(error)) return
+      if (went_wrong(failure)) return
       call check(error, maxval(abs(smooth%value - truth%value)) <= 0, "what is added is no drift")
       call check(error, maxval(abs(record%value - truth%value)) > 0.1_dp, "it was added")
-      call check(error, .not. allocated(truth%present) .and. allocated(record%present), "known where samples are lost")
-      if (allocated(error)) return
+      if (unmet(.not. allocated(truth%present) .and. allocated(record%present), "known where samples are lost")) return
       call check(error, truth%unit%name == "deg/h" .and. abs(truth%sample_interval - 0.2_dp) <= 0, "its unit and rate")
    end subroutine test_truth
 

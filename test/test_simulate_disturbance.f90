@@ -1,37 +1,32 @@
 ! SPDX-License-Identifier: MIT
 !> What happens to a sensor at work: contamination, warm-up, motion, Gauss-Markov processes, vibration.
 module test_simulate_disturbance
-   use expectations, only : check
-   use testdrive, only : error_type, unittest_type, new_unittest
+   use expectations, only : unmet, failure => problem, test, error, check, check_refused
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_record, only : record_type
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    implicit none (type, external)
    private
-   public :: collect_simulate_disturbance
+   public :: suite_simulate_disturbance
 
    real(dp), parameter :: pi = 3.14159265358979323846_dp
 
 contains
 
-   subroutine collect_simulate_disturbance(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      allocate (testsuite(7))
-      testsuite(1) = new_unittest("contamination", test_contamination)
-      testsuite(2) = new_unittest("warm-up", test_warm_up)
-      testsuite(3) = new_unittest("motion", test_motion)
-      testsuite(4) = new_unittest("gauss-markov", test_markov)
-      testsuite(5) = new_unittest("vibration", test_vibration)
-      testsuite(6) = new_unittest("truth", test_truth)
-      testsuite(7) = new_unittest("failures", test_failures)
-   end subroutine collect_simulate_disturbance
+   subroutine suite_simulate_disturbance()
+      call test("contamination", test_contamination)
+      call test("warm-up", test_warm_up)
+      call test("motion", test_motion)
+      call test("gauss-markov", test_markov)
+      call test("vibration", test_vibration)
+      call test("truth", test_truth)
+      call test("failures", test_failures)
+   end subroutine suite_simulate_disturbance
 
    !> The share, sizes uniform from 4 to 12 standard deviations, both signs; --outlier-count draws from another stream.
-   subroutine test_contamination(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_contamination()
       type(simulate_options) :: options
       real(dp), allocatable :: x(:), y(:)
       real(dp) :: deviation
@@ -49,8 +44,7 @@ contains
    end subroutine test_contamination
 
    !> A exp(-t/T) from the first sample on, also behind a filter, which had settled at A.
-   subroutine test_warm_up(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_warm_up()
       type(simulate_options) :: options
       real(dp), allocatable :: x(:)
       integer :: i
@@ -65,8 +59,7 @@ contains
    end subroutine test_warm_up
 
    !> Half sines of the length, before the end that is given; both signs; one that is longer than the record is cut.
-   subroutine test_motion(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_motion()
       type(simulate_options) :: options
       real(dp), allocatable :: x(:)
       integer :: i, first
@@ -89,8 +82,7 @@ contains
    end subroutine test_motion
 
    !> Autocovariance S^2 exp(-t/T); of two processes the sum, and each its own numbers.
-   subroutine test_markov(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_markov()
       type(simulate_options) :: options
       real(dp), allocatable :: x(:), y(:)
 
@@ -109,8 +101,7 @@ contains
    end subroutine test_markov
 
    !> The power of a sine of the amplitude, half of it within the width about the frequency.
-   subroutine test_vibration(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_vibration()
       integer, parameter :: n = 4096, records = 12
       real(dp), parameter :: rate = 100, hz = 20, width = 1
       type(simulate_options) :: options
@@ -137,11 +128,9 @@ contains
    end subroutine test_vibration
 
    !> Gauss-Markov processes and warm-up are drift, motion, vibration and contamination are not.
-   subroutine test_truth(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_truth()
       type(simulate_options) :: options
       type(record_type) :: record, truth
-      type(gyro_error), allocatable :: failure
 
       options%samples = 500
       options%markov = [1.0_dp, 10.0_dp]
@@ -152,8 +141,7 @@ contains
       options%motion = [3.0_dp, 5.0_dp, 2.0_dp, 0.0_dp]
       options%contamination = [0.01_dp, 9.0_dp]
       call simulate_record(options, record, failure)
-      call check(error, .not. allocated(failure) .and. count(abs(record%value - truth%value) > 0) == 500)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failure) .and. count(abs(record%value - truth%value) > 0) == 500)) return
       call simulate_record(options, record, failure, truth)
       options%motion = 0
       options%contamination = 0
@@ -163,11 +151,9 @@ contains
    end subroutine test_truth
 
    !> Options out of their range, NaN
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(simulate_options) :: options
       type(record_type) :: record
-      type(gyro_error), allocatable :: failure
       real(dp) :: nan
       integer :: k
 
@@ -192,9 +178,7 @@ contains
          case default; options%vibration = [1.0_dp, 2.0_dp, 0.0_dp]
          end select
          call simulate_record(options, record, failure)
-         call check(error, allocated(failure))
-         if (allocated(error)) return
-         call check(error, failure%code, status%invalid_argument, failure%message)
+         call check_refused(failure, status%invalid_argument)
       end do
    end subroutine test_failures
 
@@ -203,10 +187,8 @@ contains
       type(simulate_options), intent(in) :: options
       real(dp), allocatable :: x(:)
       type(record_type) :: record
-      type(gyro_error), allocatable :: failure
 
       call simulate_record(options, record, failure)
       allocate (x, source=record%value(:, 1))
    end function values
-
 end module test_simulate_disturbance

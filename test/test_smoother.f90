@@ -2,39 +2,35 @@
 !> The smoother of drift models against dense conditional means.
 module test_smoother
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
-   use expectations, only : check, check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_lapack, only : dpotrf, dpotrs
    use filter_library, only : fill_noise, make_series
    implicit none (type, external)
    private
-   public :: collect_smoother
+   public :: suite_smoother
 
    !> Rounding of a dense solution of 50 equations
    real(dp), parameter :: dense = 1.0e-10_dp
 
 contains
 
-   subroutine collect_smoother(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("ar1-dense", test_ar1), &
-         new_unittest("mixture-dense", test_mixture), &
-         new_unittest("walk-dense", test_walk), &
-         new_unittest("walk-and-noise-dense", test_walk_and_noise), &
-         new_unittest("gaps-dense", test_gaps), &
-         new_unittest("late-start-dense", test_late_start), &
-         new_unittest("white-dense", test_white), &
-         new_unittest("blocks", test_blocks), &
-         new_unittest("honest-variance", test_honest_variance), &
-         new_unittest("offset", test_offset), &
-         new_unittest("refused", test_refused)]
-   end subroutine collect_smoother
+   subroutine suite_smoother()
+      call test("ar1-dense", test_ar1)
+      call test("mixture-dense", test_mixture)
+      call test("walk-dense", test_walk)
+      call test("walk-and-noise-dense", test_walk_and_noise)
+      call test("gaps-dense", test_gaps)
+      call test("late-start-dense", test_late_start)
+      call test("white-dense", test_white)
+      call test("blocks", test_blocks)
+      call test("honest-variance", test_honest_variance)
+      call test("offset", test_offset)
+      call test("refused", test_refused)
+   end subroutine suite_smoother
 
    !> Two AR(1) processes, a random walk, white noise: the first so many of them.
    pure type(component_model_type) function model_of(phi, q, r)
@@ -109,12 +105,10 @@ contains
    end function covariance
 
    !> Compares the smoother with the matrices.
-   subroutine compare(error, model, slow, here, white)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine compare(model, slow, here, white)
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:), here(:)
       real(dp), intent(in), optional :: white(:)
-      type(gyro_error), allocatable :: failed
       real(dp), dimension(50) :: z, drift, variance, expected, spread_expected, r
       integer(int8) :: valid(50)
 
@@ -128,8 +122,7 @@ contains
       else
          call smooth_drift(model, slow, z, drift, failed, valid, variance)
       end if
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call dense_drift(model, slow, z, here, r, expected, spread_expected)
       call check(error, maxval(abs(drift - expected)) <= dense)
       call check(error, maxval(abs(variance - spread_expected)) <= dense)
@@ -142,93 +135,74 @@ contains
       here = .true.
    end function all_here
 
-   subroutine test_ar1(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, model_of([0.9_dp], [0.4_dp], 1.5_dp), [.true.], all_here())
+   subroutine test_ar1()
+      call compare(model_of([0.9_dp], [0.4_dp], 1.5_dp), [.true.], all_here())
    end subroutine test_ar1
 
-   subroutine test_mixture(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, model_of([0.5_dp, 0.95_dp], [0.4_dp, 0.02_dp], 0.7_dp), [.false., .true.], all_here())
+   subroutine test_mixture()
+      call compare(model_of([0.5_dp, 0.95_dp], [0.4_dp, 0.02_dp], 0.7_dp), [.false., .true.], all_here())
    end subroutine test_mixture
 
-   subroutine test_walk(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, model_of([1.0_dp], [0.1_dp], 1.0_dp), [.true.], all_here())
+   subroutine test_walk()
+      call compare(model_of([1.0_dp], [0.1_dp], 1.0_dp), [.true.], all_here())
    end subroutine test_walk
 
-   subroutine test_walk_and_noise(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], all_here())
-      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here())
+   subroutine test_walk_and_noise()
+      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], all_here())
+      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here())
    end subroutine test_walk_and_noise
 
-   subroutine test_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps()
       logical :: here(50)
 
       here = .true.
       here([2, 3, 17, 30, 31, 32, 50]) = .false.
-      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
+      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
    end subroutine test_gaps
 
-   subroutine test_late_start(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_late_start()
       logical :: here(50)
 
       here = .true.
       here(:7) = .false.
-      call compare(error, model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
-      call compare(error, model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
+      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
+      call compare(model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
    end subroutine test_late_start
 
    !> White noise whose variance changes.
-   subroutine test_white(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_white()
       integer :: i
 
-      call compare(error, model_of([0.9_dp, 1.0_dp], [0.1_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here(), &
+      call compare(model_of([0.9_dp, 1.0_dp], [0.1_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here(), &
                    [(merge(9.0_dp, 0.5_dp, i > 20 .and. i < 35), i=1, 50)])
    end subroutine test_white
 
    !> More samples than a block: those far from both ends do not feel where a series is cut.
-   subroutine test_blocks(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_blocks()
       type(component_model_type) :: model
-      type(gyro_error), allocatable :: failed
       real(dp) :: z(5000), drift(5000), part(3000), variance(5000), other(3000)
 
       model = model_of([0.6_dp, 0.9_dp], [0.2_dp, 0.05_dp], 1.0_dp)
       call fill_noise(22, z)
       call smooth_drift(model, [.false., .true.], z, drift, failed, variance=variance)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call smooth_drift(model, [.false., .true.], z(1001:4000), part, failed, variance=other)
       call check(error, maxval(abs(drift(1501:3500) - part(501:2500))) <= 1.0e-12_dp)
       call check(error, maxval(abs(variance(1501:3500) - other(501:2500))) <= 1.0e-12_dp)
    end subroutine test_blocks
 
    !> The errors have the stated variance: 20000 of them, correlated over some 20 samples, within five standard deviations.
-   subroutine test_honest_variance(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine test_honest_variance()
       real(dp), dimension(20000) :: z, truth, drift, variance
 
       call make_series(23, 0.95_dp, 1.0_dp, 4.0_dp, z, truth)
       call smooth_drift(model_of([0.95_dp], [0.0975_dp], 4.0_dp), [.true.], z, drift, failed, variance=variance)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, sum((drift - truth)**2/variance)/20000, 1.0_dp, thr=5*sqrt(2.0_dp*20/20000))
    end subroutine test_honest_variance
 
    !> A random walk takes an offset as it is.
-   subroutine test_offset(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine test_offset()
       real(dp), dimension(2000) :: z, drift, moved
 
       call fill_noise(24, z)
@@ -237,19 +211,17 @@ contains
       call check(error, maxval(abs(moved - 1024.0_dp - drift)) <= 1.0e-10_dp)
    end subroutine test_offset
 
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failed
+   subroutine test_refused()
       real(dp) :: z(10), drift(10)
 
       call fill_noise(25, z)
       call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift(:9), failed)
-      call check_refused(error, failed, status%invalid_argument)
+      call check_refused(failed, status%invalid_argument)
       call smooth_drift(model_of([1.1_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
-      call check_refused(error, failed, status%unstable)
+      call check_refused(failed, status%unstable)
       z = ieee_value(1.0_dp, ieee_quiet_nan)
       call smooth_drift(model_of([0.9_dp], [0.1_dp], 1.0_dp), [.true.], z, drift, failed)
-      call check_refused(error, failed, status%too_few_samples)
+      call check_refused(failed, status%too_few_samples)
    end subroutine test_refused
 
 end module test_smoother

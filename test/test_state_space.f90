@@ -2,15 +2,14 @@
 !> Tests of the AR(p) state space: closed forms, dense matrices, failures.
 module test_state_space
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state, &
       & dc_gain, output_variance_ratio
    use filter_library, only : companion_matrix, paper_phi
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failure => problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_state_space
+   public :: suite_state_space
 
    !> Closed forms to their last digits
    real(dp), parameter :: exact = 1.0e-12_dp
@@ -19,29 +18,24 @@ module test_state_space
 
 contains
 
-   subroutine collect_state_space(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("closed_form_equal_noise", test_equal_noise), &
-         & new_unittest("closed_form_small_gain", test_small_gain), &
-         & new_unittest("slow_drift_keeps_its_digits", test_slow_drift), &
-         & new_unittest("padded_orders_agree", test_padded), &
-         & new_unittest("many_coefficients", test_many), &
-         & new_unittest("steady_state_is_a_fixed_point", test_fixed_point), &
-         & new_unittest("no_measurement_noise", test_no_noise), &
-         & new_unittest("lost_noise", test_lost_noise), &
-         & new_unittest("stationary_covariance", test_lyapunov), &
-         & new_unittest("shift_structure", test_shift), &
-         & new_unittest("dc_gain_of_a_step", test_step_response), &
-         & new_unittest("variance_ratio_iterated", test_ratio_iterated), &
-         & new_unittest("not_stationary", test_unstable)]
-   end subroutine collect_state_space
+   subroutine suite_state_space()
+      call test("closed_form_equal_noise", test_equal_noise)
+      call test("closed_form_small_gain", test_small_gain)
+      call test("slow_drift_keeps_its_digits", test_slow_drift)
+      call test("padded_orders_agree", test_padded)
+      call test("many_coefficients", test_many)
+      call test("steady_state_is_a_fixed_point", test_fixed_point)
+      call test("no_measurement_noise", test_no_noise)
+      call test("lost_noise", test_lost_noise)
+      call test("stationary_covariance", test_lyapunov)
+      call test("shift_structure", test_shift)
+      call test("dc_gain_of_a_step", test_step_response)
+      call test("variance_ratio_iterated", test_ratio_iterated)
+      call test("not_stationary", test_unstable)
+   end subroutine suite_state_space
 
    !> R = Var(z): values of the closed forms at phi = 0.409975, computed with 50 digits
-   subroutine test_equal_noise(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_equal_noise()
       real(dp) :: phi(1), gain(1), prior(1, 1), ratio
 
       phi = paper_phi
@@ -54,9 +48,7 @@ contains
 
    !> R = 9.839 Var(z), the gain that gives the paper's Table II; its R is known to nine digits, the gain to all:
    !> the R that gives this gain exactly is found from the Riccati equation
-   subroutine test_small_gain(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_small_gain()
       real(dp), parameter :: k = 0.09074925663875474_dp
       real(dp) :: phi(1), gain(1), prior(1, 1), ratio, q, r
 
@@ -72,9 +64,7 @@ contains
    end subroutine test_small_gain
 
    !> P- (P- + r)^-1 solves its quadratic equation also where q is 1e-12 of r
-   subroutine test_slow_drift(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_slow_drift()
       real(dp) :: phi(1), gain(1), prior(1, 1), p
 
       phi = 1
@@ -85,9 +75,7 @@ contains
    end subroutine test_slow_drift
 
    !> The doubling iteration against the closed form: zero coefficients change nothing
-   subroutine test_padded(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_padded()
       real(dp) :: one(1), gain1(1), prior1(1, 1), ratio1, four(4), gain4(4), prior4(4, 4), ratio4
       integer :: i
 
@@ -96,8 +84,7 @@ contains
       do i = -6, 6, 2
          call steady_state(one, 10.0_dp**i, 1.0_dp, gain1, prior1, failure)
          call steady_state(four, 10.0_dp**i, 1.0_dp, gain4, prior4, failure)
-         call check(error,.not. allocated(failure), "the doubling iteration fails")
-         if (allocated(error)) return
+         if (went_wrong(failure, "the doubling iteration fails")) return
          call check(error, gain4(1), gain1(1), thr=exact, rel=.true.)
          call check(error, dc_gain(four, gain4), dc_gain(one, gain1), thr=exact, rel=.true.)
          call output_variance_ratio(one, gain1, ratio1, failure)
@@ -108,9 +95,7 @@ contains
 
    !> The recursion for many coefficients against the closed form of one and the doubling of three; poles
    !> near the unit circle and beyond it
-   subroutine test_many(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_many()
       real(dp), parameter :: pole(4) = [0.4_dp, -0.98_dp, 0.9999999_dp, 1.01_dp]
       real(dp) :: one(1), gain1(1), prior1(1, 1), gain3(3), prior3(3, 3), many(60), gain(60), prior(60, 60)
       integer :: i, k
@@ -122,8 +107,7 @@ contains
             many(1) = pole(k)
             call steady_state(one, 10.0_dp**i, 1.0_dp, gain1, prior1, failure)
             call steady_state(many, 10.0_dp**i, 1.0_dp, gain, prior, failure)
-            call check(error,.not. allocated(failure), "the gain of many coefficients is not found")
-            if (allocated(error)) return
+            if (went_wrong(failure, "the gain of many coefficients is not found")) return
             call check(error, gain(1), gain1(1), thr=1.0e-12_dp, rel=.true.)
          end do
          many = 0
@@ -136,17 +120,14 @@ contains
    end subroutine test_many
 
    !> One step of the recursion leaves the solution where it is; order 3, r over nine decades
-   subroutine test_fixed_point(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_fixed_point()
       real(dp) :: gain(3), prior(3, 3), p(3, 3), work(3), s, r
       integer :: i
 
       do i = -3, 6
          r = 10.0_dp**i
          call steady_state(phi3, 1.0_dp, r, gain, prior, failure)
-         call check(error,.not. allocated(failure), "the Riccati equation is not solved")
-         if (allocated(error)) return
+         if (went_wrong(failure, "the Riccati equation is not solved")) return
          p = prior
          call correct_covariance(r, p, gain, s)
          call predict_covariance(phi3, 1.0_dp, p, work)
@@ -155,9 +136,7 @@ contains
    end subroutine test_fixed_point
 
    !> A variance r that is lost beside q is as none, of any order, and at once; from one that is not the solution goes over to it.
-   subroutine test_lost_noise(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_lost_noise()
       real(dp), parameter :: r(4) = [tiny(1.0_dp)*epsilon(1.0_dp), 1.0e-300_dp, 1.0e-20_dp, 1.0e-16_dp]
       real(dp) :: gain3(3), prior3(3, 3)
       real(dp), allocatable :: many(:), gain(:), prior(:, :)
@@ -165,8 +144,7 @@ contains
 
       do k = 1, size(r)
          call steady_state(phi3, 2.0_dp, r(k), gain3, prior3, failure)
-         call check(error,.not. allocated(failure), "three coefficients")
-         if (allocated(error)) return
+         if (went_wrong(failure, "three coefficients")) return
          call check(error, prior3(1, 1), 2.0_dp, thr=1.0e-14_dp)
          call check(error, abs(gain3(1) - 1.0_dp) + sum(abs(gain3(2:))) <= 1.0e-15_dp, "the gain is not 1")
       end do
@@ -175,15 +153,12 @@ contains
       many(1) = 0.5_dp
       many(900) = 0.4999_dp
       call steady_state(many, 2.0_dp, r(1), gain, prior, failure)
-      call check(error,.not. allocated(failure), "900 coefficients")
-      if (allocated(error)) return
+      if (went_wrong(failure, "900 coefficients")) return
       call check(error, gain(1), 1.0_dp, thr=1.0e-15_dp)
    end subroutine test_lost_noise
 
    !> r = 0: the state is measured, the gain is 1, only the last driving noise is unknown
-   subroutine test_no_noise(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_no_noise()
       real(dp) :: gain(3), prior(3, 3), ratio
 
       call steady_state(phi3, 2.0_dp, 0.0_dp, gain, prior, failure)
@@ -194,9 +169,7 @@ contains
    end subroutine test_no_noise
 
    !> P = Phi P Phi' + q e1 e1', in dense matrices
-   subroutine test_lyapunov(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_lyapunov()
       real(dp), parameter :: phi(4) = [1.2_dp, -0.5_dp, 0.3_dp, -0.1_dp]
       real(dp) :: p(4, 4), a(4, 4), again(4, 4), one(1, 1)
 
@@ -210,8 +183,7 @@ contains
    end subroutine test_lyapunov
 
    !> Prediction and correction in O(p^2) against matrix products
-   subroutine test_shift(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_shift()
       real(dp), parameter :: phi(4) = [1.2_dp, -0.5_dp, 0.3_dp, -0.1_dp]
       real(dp) :: p(4, 4), a(4, 4), dense(4, 4), work(4), gain(4), s
       integer :: i, j
@@ -233,9 +205,7 @@ contains
    end subroutine test_shift
 
    !> The estimate of a constant series settles at the DC gain
-   subroutine test_step_response(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_step_response()
       real(dp) :: gain(3), prior(3, 3), x(3), first
       integer :: k
 
@@ -251,9 +221,7 @@ contains
    end subroutine test_step_response
 
    !> The doubling of the Lyapunov equation against its plain sum over 2000 steps
-   subroutine test_ratio_iterated(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_ratio_iterated()
       real(dp) :: gain(3), prior(3, 3), ratio, a(6, 6), step(6), output, input
       integer :: i, k
 
@@ -277,18 +245,13 @@ contains
       call check(error, ratio, output/input, thr=exact)
    end subroutine test_ratio_iterated
 
-   subroutine test_unstable(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_unstable()
       real(dp) :: p1(1, 1), p2(2, 2), ratio
 
       call stationary_covariance([1.0_dp], 1.0_dp, p1, failure)
-      call check(error, allocated(failure), "a random walk has no stationary covariance")
-      if (allocated(error)) return
-      call check(error, failure%code, status%unstable)
+      call check_refused(failure, status%unstable)
       call stationary_covariance([0.6_dp, 0.5_dp], 1.0_dp, p2, failure)
-      call check(error, allocated(failure), "phi_1 + phi_2 > 1 is not stationary")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "phi_1 + phi_2 > 1 is not stationary")) return
       call output_variance_ratio([1.5_dp, 0.1_dp], [0.1_dp, 0.0_dp], ratio, failure)
       call check(error, allocated(failure), "an exploding series has no variance")
    end subroutine test_unstable

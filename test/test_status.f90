@@ -17,11 +17,10 @@ module test_status
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use scratch_file, only : remove_file, scratch_path, write_bytes
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : failure => problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_status
+   public :: suite_status
 
    !> Ends every call
    type, extends(progress_type) :: impatient_type
@@ -34,28 +33,21 @@ module test_status
 
 contains
 
-   subroutine collect_status(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_status()
+      call test("every_code", test_every_code)
+   end subroutine suite_status
 
-      testsuite = [new_unittest("every_code", test_every_code)]
-   end subroutine collect_status
-
-   subroutine test_every_code(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_every_code()
       integer :: code
 
       do code = lbound(status_texts, 1), ubound(status_texts, 1)
          if (any(code == of_the_program)) cycle
          call provoke(code, failure)
          if (code == status%ok) then
-            call check(error, .not. allocated(failure), "nothing is wrong")
-            if (allocated(error)) return
+            if (went_wrong(failure, "nothing is wrong")) return
             cycle
          end if
-         call check(error, allocated(failure), "no error: "//status_text(code))
-         if (allocated(error)) return
-         call check(error, failure%code, code, status_text(code)//": "//failure%message)
+         call check_refused(failure, code)
          call check(error, len(failure%message) > 10, "a message: "//status_text(code))
       end do
    end subroutine test_every_code

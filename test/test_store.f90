@@ -1,24 +1,20 @@
 ! SPDX-License-Identifier: MIT
 !> Columns that are put together of chunks, whose memory is given back on the way.
 module test_store
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, test, error, check
    use gyroakf_io_store, only : add_chunk, count_rows, store_type, take_columns
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
    private
-   public :: collect_store
+   public :: suite_store
 
 contains
 
    !> Names the tests.
-   subroutine collect_store(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("many-pages", test_pages), &
-         new_unittest("single-chunk", test_single)]
-   end subroutine collect_store
+   subroutine suite_store()
+      call test("many-pages", test_pages)
+      call test("single-chunk", test_single)
+   end subroutine suite_store
 
    !> Appends a chunk of three columns, k, -k and k + 0.5 in row k of the store; it has room for some rows more.
    subroutine fill_chunk(store, rows)
@@ -39,8 +35,7 @@ contains
    end subroutine fill_chunk
 
    !> Chunks of several large pages, and smaller ones; a column that is wanted twice, and one that is the time, too.
-   subroutine test_pages(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_pages()
       type(store_type) :: store
       real(dp), allocatable :: value(:, :), stamps(:)
       integer(int64) :: i, n
@@ -52,8 +47,7 @@ contains
       n = count_rows(store)
       call take_columns(store, 2, [3, 1, 2, 3], value, stamps, failed)
       call check(error, failed == 0 .and. count_rows(store) == 0 .and. n == 962150)
-      call check(error, all(shape(value, int64) == [n, 4_int64]) .and. size(stamps, kind=int64) == n)
-      if (allocated(error)) return
+      if (unmet(all(shape(value, int64) == [n, 4_int64]) .and. size(stamps, kind=int64) == n)) return
       do i = 1, n
          if (all(abs(value(i, :) - real(i, dp)*[1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp] - [0.5_dp, 0.0_dp, 0.0_dp, 0.5_dp]) <= 0.0_dp) &
              .and. abs(stamps(i) + real(i, dp)) <= 0.0_dp) cycle
@@ -63,16 +57,14 @@ contains
    end subroutine test_pages
 
    !> A chunk that is not full is copied, too.
-   subroutine test_single(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_single()
       type(store_type) :: store
       real(dp), allocatable :: value(:, :), stamps(:)
       integer :: failed
 
       call fill_chunk(store, 4_int64)
       call take_columns(store, 0, [2], value, stamps, failed)
-      call check(error, failed == 0 .and. size(value) == 4 .and. size(stamps) == 0)
-      if (allocated(error)) return
+      if (unmet(failed == 0 .and. size(value) == 4 .and. size(stamps) == 0)) return
       call check(error, all(abs(value(:, 1) + [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp]) <= 0.0_dp))
    end subroutine test_single
 

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The summary of many files: its document against the schema, its lines, its table.
 module test_summary
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
@@ -14,19 +13,21 @@ module test_summary
    use report_fixture, only : begin_text, end_text, make_record, make_result
    implicit none (type, external)
    private
-   public :: collect_summary
+   public :: suite_summary
 
    character(*), parameter :: nl = new_line("a")
 
 contains
 
-   subroutine collect_summary(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [new_unittest("document", document), new_unittest("document_of_inspect", document_of_inspect), &
-                   new_unittest("no_files", no_files), new_unittest("lines", lines), new_unittest("failed_line", failed_line), &
-                   new_unittest("table", table), new_unittest("long_names", long_names)]
-   end subroutine collect_summary
+   subroutine suite_summary()
+      call test("document", document)
+      call test("document_of_inspect", document_of_inspect)
+      call test("no_files", no_files)
+      call test("lines", lines)
+      call test("failed_line", failed_line)
+      call test("table", table)
+      call test("long_names", long_names)
+   end subroutine suite_summary
 
    !> A file that was analyzed, one that failed.
    subroutine two_rows(rows, path)
@@ -56,8 +57,7 @@ contains
       call read_json(text, items, valid)
    end subroutine read_document
 
-   subroutine document(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine document()
       type(summary_row_type) :: rows(2)
       type(json_item), allocatable :: items(:), schema(:)
       character(:), allocatable :: wrong
@@ -77,8 +77,7 @@ contains
       call check(error, json_text_at(items, "/files/1/message"), '"b: no such file\u000acheck the path"')
    end subroutine document
 
-   subroutine document_of_inspect(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine document_of_inspect()
       type(summary_row_type) :: rows(1)
       type(record_type) :: record
       type(json_item), allocatable :: items(:)
@@ -93,8 +92,7 @@ contains
                  json_text_at(items, "/files/0/channels/0/coefficients/N"), repeat("null", 5))
    end subroutine document_of_inspect
 
-   subroutine no_files(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine no_files()
       type(summary_row_type) :: rows(0)
       type(json_item), allocatable :: items(:)
       logical :: valid
@@ -103,8 +101,7 @@ contains
       call check(error, valid .and. json_at(items, "/files") > 0 .and. json_at(items, "/files/0") == 0)
    end subroutine no_files
 
-   subroutine lines(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine lines()
       type(summary_row_type) :: rows(2)
       type(writer_type) :: writer
       character(:), allocatable :: text
@@ -121,8 +118,7 @@ contains
       call check(error, count([(text(first:first) == nl, first=1, len(text))]), 3, "lines")
    end subroutine lines
 
-   subroutine failed_line(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine failed_line()
       type(summary_row_type) :: rows(2)
 
       call two_rows(rows, "a.txt")
@@ -144,8 +140,7 @@ contains
       end do
    end function commas
 
-   subroutine table(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine table()
       type(summary_row_type) :: rows(2)
       type(writer_type) :: writer
       character(:), allocatable :: text
@@ -158,8 +153,7 @@ contains
       call check(error, index(text, "  2 files, 1 failure"//nl) > 0, text)
    end subroutine table
 
-   subroutine long_names(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine long_names()
       type(summary_row_type) :: rows(2)
       type(writer_type) :: writer
       character(:), allocatable :: text

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Tables of a report, and the signs that a terminal shows in its texts.
 module test_table
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : test, error, check
    use gyroakf_io_writer, only : writer_type
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, report_width
    use gyroakf_report_sign, only : to_unicode
@@ -11,7 +10,7 @@ module test_table
    use report_fixture, only : begin_text, end_text
    implicit none (type, external)
    private
-   public :: collect_table
+   public :: suite_table
 
    character(1), parameter :: lf = new_line("a")
    character(1), parameter :: escape = achar(27)
@@ -19,22 +18,17 @@ module test_table
 contains
 
    !> Names the tests.
-   subroutine collect_table(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+   subroutine suite_table()
+      call test("signs", test_signs)
+      call test("signs-in-names", test_names)
+      call test("signs-in-the-layout", test_layout)
+      call test("colours", test_colours)
+      call test("cells-of-two-lines", test_lines)
+      call test("too-wide", test_too_wide)
+      call test("long-names", test_long_names)
+   end subroutine suite_table
 
-      testsuite = [ &
-         new_unittest("signs", test_signs), &
-         new_unittest("signs-in-names", test_names), &
-         new_unittest("signs-in-the-layout", test_layout), &
-         new_unittest("colours", test_colours), &
-         new_unittest("cells-of-two-lines", test_lines), &
-         new_unittest("too-wide", test_too_wide), &
-         new_unittest("long-names", test_long_names)]
-   end subroutine collect_table
-
-   subroutine test_signs(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_signs()
       call check(error, to_unicode("0.41 +/- 0.01 deg/sqrt(h), (deg/s)^2, deg/h^1.5, 2.5 sigma"), &
                  "0.41 ± 0.01 deg/√h, (deg/s)², deg/h^1.5, 2.5 σ")
       call check(error, to_unicode("sigma^2 = N^2/tau, tau <= 3, |rho| >= 2, |k fs +- f|, chi-square, 2 ln 2/pi, sqrt(2) N"), &
@@ -44,8 +38,7 @@ contains
    end subroutine test_signs
 
    !> Longer names keep their letters.
-   subroutine test_names(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_names()
       character(*), parameter :: names = "--drift-tau --fit-tau-min tau.csv my_sigma pig Z_tau sigma2 log.tau"
 
       call check(error, to_unicode(names), names)
@@ -53,8 +46,7 @@ contains
    end subroutine test_names
 
    !> Widths are those of what is shown; what a user wrote is left alone; a value stays with its error.
-   subroutine test_layout(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_layout()
       type(writer_type) :: writer
       type(table_type) :: table
       character(:), allocatable :: text
@@ -76,8 +68,7 @@ contains
    end subroutine test_layout
 
    !> Bold headings, a yellow warning, a red failure; without colours no byte of them.
-   subroutine test_colours(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_colours()
       type(writer_type) :: writer
       character(:), allocatable :: text
       integer :: i
@@ -97,8 +88,7 @@ contains
       end do
    end subroutine test_colours
 
-   subroutine test_lines(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_lines()
       type(writer_type) :: writer
       type(table_type) :: table
       character(:), allocatable :: text
@@ -116,8 +106,7 @@ contains
    end subroutine test_lines
 
    !> What does not fit goes on below, with the first column again.
-   subroutine test_too_wide(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_too_wide()
       type(writer_type) :: writer
       type(table_type) :: table
       character(:), allocatable :: text
@@ -136,8 +125,7 @@ contains
    end subroutine test_too_wide
 
    !> A name as long as the line loses its end, between characters.
-   subroutine test_long_names(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long_names()
       type(writer_type) :: writer
       type(table_type) :: table
       character(:), allocatable :: text

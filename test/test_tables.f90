@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The tables of a channel: what they hold.
 module test_tables
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : test, error, check
    use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_report_text_table, only : table_type
@@ -11,24 +10,20 @@ module test_tables
    use report_fixture, only : fill_drift, make_record, make_result
    implicit none (type, external)
    private
-   public :: collect_tables
+   public :: suite_tables
 
    character(1), parameter :: lf = new_line("a")
 
 contains
 
    !> Names the tests.
-   subroutine collect_tables(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("descriptions", test_descriptions), &
-         new_unittest("nothing", test_nothing)]
-   end subroutine collect_tables
+   subroutine suite_tables()
+      call test("descriptions", test_descriptions)
+      call test("nothing", test_nothing)
+   end subroutine suite_tables
 
    !> All four, each with a head, a caption, and the cells of a row.
-   subroutine test_descriptions(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_descriptions()
       type(record_type) :: record
       type(pipeline_result_type) :: result
       type(table_type) :: tables(4)
@@ -52,8 +47,7 @@ contains
       call check(error, tables(4)%cell(3, 3)%text, "0.948"//lf//"+/- 0.012")
    end subroutine test_descriptions
 
-   subroutine test_nothing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nothing()
       type(pipeline_result_type) :: empty
       type(table_type) :: table
 

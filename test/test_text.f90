@@ -1,10 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Lines taken apart, decimal commas, foreign content, messages with a caret.
 module test_text
-   use expectations, only : check
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : placed => problem, test, error, check
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_io_commas, only : decimal_comma
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_format, only : content_type, recognise
@@ -15,30 +13,27 @@ module test_text
    use gyroakf_io_text, only : bytes_text, fields_type, is_no_row, split, split_line, text_bytes
    implicit none (type, external)
    private
-   public :: collect_text
+   public :: suite_text
 
    character(1), parameter :: tab = achar(9), nl = new_line("a")
 
 contains
 
    !> Names the tests.
-   subroutine collect_text(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("split-mixed", test_split_mixed), &
-         new_unittest("split-tabs-names", test_split_tabs), &
-         new_unittest("labels", test_labels), &
-         new_unittest("comments", test_comments), &
-         new_unittest("decimal-comma", test_decimal_comma), &
-         new_unittest("foreign-content", test_foreign), &
-         new_unittest("caret", test_caret), &
-         new_unittest("caret-utf8", test_caret_utf8), &
-         new_unittest("caret-long-line", test_caret_long), &
-         new_unittest("time-names", test_time_names), &
-         new_unittest("time-units", test_time_units), &
-         new_unittest("time-units-inferred", test_inferred)]
-   end subroutine collect_text
+   subroutine suite_text()
+      call test("split-mixed", test_split_mixed)
+      call test("split-tabs-names", test_split_tabs)
+      call test("labels", test_labels)
+      call test("comments", test_comments)
+      call test("decimal-comma", test_decimal_comma)
+      call test("foreign-content", test_foreign)
+      call test("caret", test_caret)
+      call test("caret-utf8", test_caret_utf8)
+      call test("caret-long-line", test_caret_long)
+      call test("time-names", test_time_names)
+      call test("time-units", test_time_units)
+      call test("time-units-inferred", test_inferred)
+   end subroutine suite_text
 
    !> A text as bytes with a line feed and room behind it.
    function bytes_of(text) result(bytes)
@@ -73,8 +68,7 @@ contains
    end function names_of
 
    !> Labels before the first value, in groups and lists: the first field has none before it.
-   subroutine test_labels(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_labels()
       character(40), parameter :: line(9) = [character(40) :: "gx=1, gy=2", "g: 1 2 3", "g: [1, 2, 3]", "[1, 2, 3] [4, 5, 6]", &
          "{""gyro"": {""x"": 1, ""y"": 2}, ""t"": 3}", "{""g"": [1, 2], ""a"": [3, 4]}", "gx: 1 dps gy: 2 dps", "[1] g=2", &
          "t=[1], g=[2, 3]"]
@@ -104,8 +98,7 @@ contains
       if (fields%open_quote > 0) joined = joined//"?"
    end function parts
 
-   subroutine test_split_mixed(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_split_mixed()
       character(24), parameter :: line(14) = [character(24) :: "1 2", "  1   2  ", "1,2", "1 , 2", "1;2", "1,,2", ",1", "1,2,", &
          "1, ,2,", '"a b",2', "'x',""y""", "1 2 # note", "1 2 // note", """open"]
       character(24), parameter :: expected(14) = [character(24) :: "|1|2|", "|1|2|", "|1|2|", "|1|2|", "|1|2|", "|1||2|", "||1|", &
@@ -118,16 +111,13 @@ contains
       call check(error, parts("1"//tab//tab//"2"//achar(13), split%mixed), "|1|2|")
    end subroutine test_split_mixed
 
-   subroutine test_split_tabs(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_split_tabs()
       call check(error, parts("1"//tab//tab//"2"//tab, split%tabs), "|1||2||<")
       call check(error, parts("1 2"//tab//"3", split%tabs), "|1|2|3|")
       call check(error, parts(" gyro x , ""gyro y"";z ", split%names), "|gyro x|gyro y|z|")
    end subroutine test_split_tabs
 
-   subroutine test_comments(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_comments()
       character(8), parameter :: yes(6) = [character(8) :: "# a", "  % a", "; a", "// a", ";1;2", ""]
       character(8), parameter :: no(4) = [character(8) :: "1 # a", "/ a", "-1", "a"]
       integer :: i
@@ -140,8 +130,7 @@ contains
       end do
    end subroutine test_comments
 
-   subroutine test_decimal_comma(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_decimal_comma()
       character(16), parameter :: line(16) = [character(16) :: "1,5;2,3", "1,5 2,3", "0;0,5", "-1,5e-3; 2,0e1", "1,05", "-0,5", &
          "1,2", "1,2,3", "1.5,2.5", "1.5;2,5", "1, 2; 3, 4", "1,2,3;4", "1;2;3", """1,5"";2", "10,20", ""]
       integer, parameter :: expected(16) = [2, 2, 4, 3, 2, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
@@ -152,28 +141,25 @@ contains
       end do
    end subroutine test_decimal_comma
 
-   subroutine test_foreign(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call check_content(error, "1 2"//achar(0)//"3", "a.txt", "foreign", "binary")
-      call check_content(error, "BZh91AY", "a.txt", "foreign", "compressed by bzip2")
-      call check_content(error, char(255)//char(254)//"1"//achar(0), "a.txt", "foreign", "text in UTF-16")
-      call check_content(error, repeat("1.5 2"//nl, 30)//achar(27), "a.txt", "text", "")
-      call check_content(error, "1.5 "//achar(1)//achar(2)//" 3", "a.txt", "foreign", "binary")
-      call check_content(error, repeat("1"//achar(0)//nl//achar(0), 30), "a.txt", "foreign", &
+   subroutine test_foreign()
+      call check_content("1 2"//achar(0)//"3", "a.txt", "foreign", "binary")
+      call check_content("BZh91AY", "a.txt", "foreign", "compressed by bzip2")
+      call check_content(char(255)//char(254)//"1"//achar(0), "a.txt", "foreign", "text in UTF-16")
+      call check_content(repeat("1.5 2"//nl, 30)//achar(27), "a.txt", "text", "")
+      call check_content("1.5 "//achar(1)//achar(2)//" 3", "a.txt", "foreign", "binary")
+      call check_content(repeat("1"//achar(0)//nl//achar(0), 30), "a.txt", "foreign", &
                          "text in UTF-16 without a byte-order mark")
-      call check_content(error, repeat("1.5"//nl, 30)//repeat(achar(0), 4), "a.txt", "foreign", &
+      call check_content(repeat("1.5"//nl, 30)//repeat(achar(0), 4), "a.txt", "foreign", &
                          "text with 4 NUL bytes, as a logger leaves them that lost its power")
-      call check_content(error, "MATLAB 7.3 MAT-file"//repeat(" ", 493)//char(137)//"HDF"//char(13)//nl//char(26)//nl, &
+      call check_content("MATLAB 7.3 MAT-file"//repeat(" ", 493)//char(137)//"HDF"//char(13)//nl//char(26)//nl, &
                          "a.mat", "foreign", "an HDF5 file (.h5, MATLAB 7.3)")
-      call check_content(error, char(147)//"NUMPY"//char(1)//char(0), "a.txt", "npy", "")
-      call check_content(error, char(255)//char(254)//"x", "a.i16be", "binary", "")
-      call check_content(error, "1.5"//nl, "a.f64", "text", "")
+      call check_content(char(147)//"NUMPY"//char(1)//char(0), "a.txt", "npy", "")
+      call check_content(char(255)//char(254)//"x", "a.i16be", "binary", "")
+      call check_content("1.5"//nl, "a.f64", "text", "")
    end subroutine test_foreign
 
    !> What a file's first bytes and its name tell.
-   subroutine check_content(error, bytes, name, kind, what)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_content(bytes, name, kind, what)
       character(*), intent(in) :: bytes, name, kind, what
       type(content_type) :: content
 
@@ -183,10 +169,7 @@ contains
       call check(error, content%what, what)
    end subroutine check_content
 
-   subroutine test_caret(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: placed
-
+   subroutine test_caret()
       call place_error(placed, "a.txt", 7_int64, bytes_of("1"//tab//"x2 3"), 1_int64, 6_int64, 3_int64, "bad", "mend it")
       call check(error, placed%message, &
                  "a.txt:7:3: bad"//nl//"1 x2 3"//nl//"  ^"//nl//"mend it")
@@ -195,10 +178,8 @@ contains
                  "a:1:4: short"//nl//"1 2"//nl//"   ^"//nl//"do")
    end subroutine test_caret
 
-   subroutine test_caret_utf8(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_caret_utf8()
       character(*), parameter :: degree = char(194)//char(176)
-      type(gyro_error), allocatable :: placed
 
       call place_error(placed, "a", 1_int64, bytes_of("5"//degree//" x"), 1_int64, 5_int64, 5_int64, "bad", "do")
       call check(error, placed%message, &
@@ -208,9 +189,7 @@ contains
                  "a:1:3: bad"//nl//"? x?"//nl//"  ^"//nl//"do")
    end subroutine test_caret_utf8
 
-   subroutine test_caret_long(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: placed
+   subroutine test_caret_long()
       character(:), allocatable :: line, message, shown, caret
       integer :: first, second, third
 
@@ -228,8 +207,7 @@ contains
       call check(error, shown(len(caret):len(caret)), "x")
    end subroutine test_caret_long
 
-   subroutine test_time_names(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_time_names()
       character(18), parameter :: yes(42) = [character(18) :: "t", "T_ms", "time", "Timestamp", "time_s", "time_ms", "t_us", &
          "sensor_timestamp", "gps_time", "header.stamp", "seconds", "Time ns", "TimeUS", "timeus", "TIME_US", "time_usec", &
          "SampleTimeFine", "sampletimefine", "gps_tow_s", "tow", "iTOW", "GPS TOW", "gpstime", "GPSTime", "epoch", "epoc", &
@@ -254,9 +232,7 @@ contains
                  is_counter_name("PacketCounter") .and. .not. is_counter_name("gx"), "counters")
    end subroutine test_time_names
 
-   subroutine test_time_units(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_time_units()
       call check(error, named_scale("time_ms", "", 0.0_dp), 1.0e-3_dp)
       call check(error, named_scale("Time", "us", 0.0_dp), 1.0e-6_dp)
       call check(error, named_scale("t_ns", "", 0.0_dp), 1.0e-9_dp)
@@ -271,8 +247,7 @@ contains
                  + named_scale("t", "12", 0.0_dp), 60.001_dp, thr=1.0e-12_dp)
    end subroutine test_time_units
 
-   subroutine test_inferred(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_inferred()
       !> First stamp, step, rate that was given, unit expected
       real(dp), parameter :: table(4, 9) = reshape([ &
          0.0_dp, 0.01_dp, 0.0_dp, 1.0_dp, 0.0_dp, 10.0_dp, 0.0_dp, 1.0e-3_dp, 0.0_dp, 5000.0_dp, 0.0_dp, 1.0e-6_dp, &

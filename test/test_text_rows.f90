@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Rows of text read by several threads: the same as by one, and as line by line; files that change while they are read.
 module test_text_rows
-   use expectations, only : check, check_refused
+   use expectations, only : unmet, failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_threads, only : thread_count, set_thread_count
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
-   use testdrive, only : new_unittest, unittest_type, error_type, test_failed
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_source, only : close_source
@@ -17,7 +16,7 @@ module test_text_rows
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: collect_text_rows
+   public :: suite_text_rows
 
    character(1), parameter :: nl = new_line("a")
    !> Kinds of lines, one of which is drawn for each line of [[odd_content]]
@@ -31,21 +30,18 @@ module test_text_rows
 contains
 
    !> Names the tests.
-   subroutine collect_text_rows(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("every-kind-of-line", test_every_kind), &
-         new_unittest("returns-only", test_returns), &
-         new_unittest("first-problem", test_first_problem), &
-         new_unittest("blank-lines", test_blank_lines), &
-         new_unittest("semicolon-first", test_semicolon_first), &
-         new_unittest("many-columns", test_many_columns), &
-         new_unittest("line-of-megabytes", test_huge_line), &
-         new_unittest("few-rows-at-a-time", test_few_rows), &
-         new_unittest("file-that-grows", test_growing), &
-         new_unittest("file-that-shrinks", test_shrinking)]
-   end subroutine collect_text_rows
+   subroutine suite_text_rows()
+      call test("every-kind-of-line", test_every_kind)
+      call test("returns-only", test_returns)
+      call test("first-problem", test_first_problem)
+      call test("blank-lines", test_blank_lines)
+      call test("semicolon-first", test_semicolon_first)
+      call test("many-columns", test_many_columns)
+      call test("line-of-megabytes", test_huge_line)
+      call test("few-rows-at-a-time", test_few_rows)
+      call test("file-that-grows", test_growing)
+      call test("file-that-shrinks", test_shrinking)
+   end subroutine suite_text_rows
 
    !> Many lines of every kind, in an order drawn by a generator; begins with a plain one.
    subroutine odd_content(lines, ending, content, kind)
@@ -125,10 +121,9 @@ contains
    end function stored
 
    !> Compares a table with the lines that were written.
-   subroutine compare(table, kind, error)
+   subroutine compare(table, kind)
       type(table_type), intent(in) :: table
       integer, intent(in) :: kind(:)
-      type(error_type), allocatable, intent(out) :: error
       integer(int64) :: row
       integer :: i, j
 
@@ -142,7 +137,7 @@ contains
          if (mod(i, 97) == 0 .or. i > size(kind) - 9) call check(error, line_of(table%map, row), int(i, int64), "line of a row")
          do j = 1, 2
             if (same(stored(table, row, j), held(j, kind(i)))) cycle
-            call test_failed(error, "a line '"//trim(kinds(kind(i)))//"' was read wrong")
+            call check(error, .false., "a line '"//trim(kinds(kind(i)))//"' was read wrong")
             return
          end do
       end do
@@ -158,10 +153,8 @@ contains
    end function same
 
    !> A million lines of every kind: line by line what was written, for any number of threads.
-   subroutine test_every_kind(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_every_kind()
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: content
       integer, allocatable :: kind(:)
       integer :: threads
@@ -170,36 +163,32 @@ contains
       do threads = 1, 3
          call read_with(content, threads, table, failed)
          call check(error, .not. allocated(failed))
-         if (.not. allocated(error)) call compare(table, kind, error)
+         if (.not. allocated(error)) call compare(table, kind)
          if (allocated(error)) return
       end do
    end subroutine test_every_kind
 
    !> The same with the line ends of old systems, and with both characters.
-   subroutine test_returns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_returns()
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: content
       integer, allocatable :: kind(:)
 
       call odd_content(150000, achar(13), content, kind)
       call read_with(content, 2, table, failed)
       call check(error, .not. allocated(failed))
-      if (.not. allocated(error)) call compare(table, kind, error)
+      if (.not. allocated(error)) call compare(table, kind)
       if (allocated(error)) return
       call odd_content(150000, achar(13)//nl, content, kind)
       call read_with(content, 2, table, failed)
       call check(error, .not. allocated(failed))
-      if (.not. allocated(error)) call compare(table, kind, error)
+      if (.not. allocated(error)) call compare(table, kind)
    end subroutine test_returns
 
    !> Of several lines that cannot be read the first one is told, wherever the others are.
-   subroutine test_first_problem(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_first_problem()
       integer, parameter :: lines = 400000
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
       character(:), allocatable :: content
       integer :: at
 
@@ -208,8 +197,7 @@ contains
       do while (at > 10)
          content(8 + 8*at:8 + 8*at) = "x"
          call read_with(content, 2, table, failed)
-         call check(error, allocated(failed))
-         if (allocated(error)) return
+         if (unmet(allocated(failed))) return
          call check(error, index(failed%message, place(at + 1)//": 'x' is not a number") > 0, failed%message)
          at = at/3
       end do
@@ -226,14 +214,12 @@ contains
    end function place
 
    !> A line that begins with a semicolon is a row without its first number where semicolons part the columns, else a comment.
-   subroutine test_semicolon_first(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_semicolon_first()
       character(*), parameter :: content(5) = [character(24) :: "1;2"//nl//";4"//nl//"5;6", "a;b"//nl//";4"//nl//"5;6", &
          "1;2"//nl//"; 4 volts"//nl//"5;6", "1 2"//nl//"; 3 4"//nl//"5 6", "1,2"//nl//";4"//nl//"5,6"]
       integer(int64), parameter :: rows(5) = [3_int64, 2_int64, 2_int64, 2_int64, 2_int64]
       integer(int64), parameter :: short(5) = [2_int64, 1_int64, 0_int64, 0_int64, 0_int64]
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
       integer :: i
 
       do i = 1, size(content)
@@ -248,14 +234,11 @@ contains
    end subroutine test_semicolon_first
 
    !> A million blank lines in the midst take one entry in the map of lines.
-   subroutine test_blank_lines(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_blank_lines()
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
 
       call read_with("1 2"//nl//repeat(nl, 1000000)//"3 4"//nl//"5 6", 2, table, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, count_rows(table%store), 3_int64)
       call check(error, line_of(table%map, 2_int64), 1000002_int64)
       call check(error, line_of(table%map, 3_int64), 1000003_int64)
@@ -263,11 +246,9 @@ contains
    end subroutine test_blank_lines
 
    !> Rows longer than a piece; ten thousand columns.
-   subroutine test_many_columns(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_many_columns()
       integer, parameter :: columns = 10000
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
       character(20*columns) :: line
       integer :: j
 
@@ -275,8 +256,7 @@ contains
          write (line(20*j - 19:20*j), "(i17, 3x)") j
       end do
       call read_with(repeat(line//nl, 20), 2, table, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, count_rows(table%store), 20_int64)
       do j = 1, columns
          call check(error, abs(stored(table, 1_int64, j) - j) + abs(stored(table, 20_int64, j) - j) <= 0.0_dp)
@@ -284,29 +264,23 @@ contains
    end subroutine test_many_columns
 
    !> A line of 15 MB, longer than any block, is read; one of 25 MB is refused.
-   subroutine test_huge_line(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_huge_line()
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
 
       call read_with("1 2"//nl//"3"//repeat(" ", 25000000)//"4"//nl//"5 6", 2, table, failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
+      if (unmet(allocated(failed))) return
       call check(error, index(failed%message, ":2:1: a line of more than 16 MB") > 0)
       call read_with("1 2"//nl//"3"//repeat(" ", 15000000)//"4"//nl//"5 6", 2, table, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, count_rows(table%store), 3_int64)
       call check(error, abs(stored(table, 2_int64, 2) - 4) + abs(stored(table, 3_int64, 2) - 6) <= 0.0_dp)
    end subroutine test_huge_line
 
    !> Rows can be asked for in parts; what is not asked for stays in the file.
-   subroutine test_few_rows(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_few_rows()
       type(table_type) :: table
       type(lines_type) :: lines
       type(reader_options) :: options
-      type(gyro_error), allocatable :: failed
       integer(int64) :: rows
       integer :: calls
 
@@ -322,8 +296,7 @@ contains
       end do
       call close_source(lines%source)
       call remove_file(scratch_path("parts.txt"))
-      call check(error, .not. allocated(failed) .and. table%whole)
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. table%whole)) return
       call check(error, rows, 1000000_int64)
       call check(error, calls > 5)
    end subroutine test_few_rows
@@ -354,31 +327,25 @@ contains
    end subroutine read_changed
 
    !> A file is read to the length that it had, and to the end of the line that this cuts.
-   subroutine test_growing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_growing()
       integer, parameter :: lines = 300000
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
 
       call read_changed(repeat("1.5"//nl, lines), "2.5"//nl//"3.5"//nl, .false., table, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, count_rows(table%store), int(lines, int64))
       call read_changed(repeat("1.5"//nl, lines)//"2", ".5"//nl//"3.5"//nl, .false., table, failed)
-      call check(error, .not. allocated(failed))
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
       call check(error, count_rows(table%store), int(lines + 1, int64))
       call check(error, abs(stored(table, int(lines + 1, int64), 1) - 2.5_dp) <= 0.0_dp)
    end subroutine test_growing
 
    !> A file that was cut is refused: what was cut cannot be known.
-   subroutine test_shrinking(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_shrinking()
       type(table_type) :: table
-      type(gyro_error), allocatable :: failed
 
       call read_changed(repeat("1.5"//nl, 600000), repeat("1.5"//nl, 400000), .true., table, failed)
-      call check_refused(error, failed, status%io)
+      call check_refused(failed, status%io)
       call check(error, index(failed%message, ": the file became shorter while it was read: 1600000 of 2400000 bytes") > 0)
    end subroutine test_shrinking
 

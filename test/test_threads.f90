@@ -2,23 +2,19 @@
 !> Tests of the number of threads, with and without OpenMP.
 module test_threads
    use gyroakf_threads, only : set_thread_count, thread_count
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : test, error, check
    implicit none (type, external)
    private
-   public :: collect_threads
+   public :: suite_threads
 
 contains
 
-   subroutine collect_threads(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [new_unittest("count", test_count)]
-   end subroutine collect_threads
+   subroutine suite_threads()
+      call test("count", test_count)
+   end subroutine suite_threads
 
    !> A parallel region has as many threads as are told; what cannot be is not set.
-   subroutine test_count(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_count()
       integer :: before, threads, told
 
       before = thread_count()

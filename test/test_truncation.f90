@@ -2,39 +2,32 @@
 !> Tests of what a rule does to a record without outliers.
 module test_truncation
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_preprocess_outlier_rules, only : default_threshold
    use gyroakf_preprocess_truncation, only : expected_false_alarms, final_cut, hampel_share, &
       & normal_share_beyond, truncated_deviation
    use series_library, only : reference_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_truncation
+   public :: suite_truncation
 
    real(dp), parameter :: tolerance = 1.0e-14_dp
 
 contains
 
-   subroutine collect_truncation(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("deviation", test_deviation), &
-         & new_unittest("cut", test_cut), &
-         & new_unittest("shares", test_shares), &
-         & new_unittest("single_pass", test_single_pass), &
-         & new_unittest("corrected", test_corrected), &
-         & new_unittest("few_samples", test_few_samples), &
-         & new_unittest("invariance", test_invariance)]
-   end subroutine collect_truncation
+   subroutine suite_truncation()
+      call test("deviation", test_deviation)
+      call test("cut", test_cut)
+      call test("shares", test_shares)
+      call test("single_pass", test_single_pass)
+      call test("corrected", test_corrected)
+      call test("few_samples", test_few_samples)
+      call test("invariance", test_invariance)
+   end subroutine suite_truncation
 
    !> sqrt(1 - 2 t phi(t)/(2 Phi(t) - 1)); the published 0.98657839 at 3, its limits t/sqrt(3) and 1, no seam at 1.
-   subroutine test_deviation(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_deviation()
       call check(error, truncated_deviation(3.0_dp), 0.98657839_dp, thr=0.5e-8_dp)
       call check(error, truncated_deviation(1.0_dp - 1.0e-14_dp), truncated_deviation(1.0_dp), thr=2.0e-14_dp)
       call check(error, truncated_deviation(1.0e-8_dp)/1.0e-8_dp, 1.0_dp/sqrt(3.0_dp), thr=tolerance)
@@ -43,8 +36,7 @@ contains
    end subroutine test_deviation
 
    !> The published 0.98484619 and 0.31314 % of repeated passes; the first is single; below sqrt(3) nothing is left.
-   subroutine test_cut(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_cut()
       real(dp) :: t
 
       t = final_cut(3.0_dp, 0)
@@ -57,8 +49,7 @@ contains
    end subroutine test_cut
 
    !> 0.26998 % of one pass; a tenth of a sample by the threshold for the length; Hampel's shares as simulated once, to 5 %.
-   subroutine test_shares(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_shares()
       real(dp) :: n
 
       n = expected_false_alarms("pauta", 3.0_dp, 100000000_int64, 1, 0)
@@ -75,19 +66,16 @@ contains
 
    !> White noise with four outliers of 8, -7.5, 25 and 5: one pass of 3 sigma about the mean 0.0037005521236921426 with the
    !> standard deviation 1.336484094041568 marks these alone, two passes four more.
-   subroutine test_single_pass(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_single_pass()
       integer, parameter :: place(8) = [101, 102, 501, 778, 156, 462, 621, 756]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn", 1000)
       x(place(:4)) = x(place(:4)) + [8.0_dp, -7.5_dp, 25.0_dp, 5.0_dp]
       call clean_series(x, clean_options(degree=-1, method="pauta", max_passes=1), cleaned, mask, result, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, result%removed == 4 .and. all(mask(place(:4)) == 0_int8) .and. result%passes == 1, "the first pass")
       call check(error, result%mean, -0.028025699939714172_dp, thr=tolerance)
       call check(error, sqrt(result%variance), 0.9737937446090932_dp, thr=tolerance)
@@ -99,14 +87,12 @@ contains
 
    !> Of 2e5 normal samples of variance 1 the corrected variance is the whole one's, to 3 of its errors
    !> sqrt(2/n); the plain one is not.
-   subroutine test_corrected(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_corrected()
       integer, parameter :: n = 200000, rounds(2) = [1, 20]
       real(dp), parameter :: threshold(2) = [3.0_dp, 2.5_dp], three_errors = 3.0_dp*sqrt(2.0_dp/real(n, dp))
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       real(dp) :: whole
       integer :: i, j
 
@@ -123,34 +109,29 @@ contains
    end subroutine test_corrected
 
    !> 3 sigma can reject nothing of ten samples, and it is said; of eleven it can.
-   subroutine test_few_samples(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_few_samples()
       real(dp) :: x(11)
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: result
-      type(gyro_error), allocatable :: problem
       integer :: n
 
       x = 0.0_dp
       x(4) = 1.0e9_dp
       do n = 2, 11
          call clean_series(x(:n), clean_options(degree=-1, method="pauta"), cleaned, mask, result, problem)
-         call check(error, .not. allocated(problem), "it failed")
-         if (allocated(error)) return
+         if (went_wrong(problem)) return
          call check(error, int(result%removed), merge(1, 0, n == 11), "removed")
          call check(error, result%blind .eqv. n < 11, "said")
       end do
    end subroutine test_few_samples
 
    !> No rule's marks change with an offset of 2^20 on noise of 2^-10, or with the scale.
-   subroutine test_invariance(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_invariance()
       character(6), parameter :: method(4) = [character(6) :: "hampel", "auto", "pauta", "mad"]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
       type(clean_type) :: a, b
-      type(gyro_error), allocatable :: problem
       integer :: i
 
       x = reference_series("ar1", 4000)

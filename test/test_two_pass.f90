@@ -3,18 +3,17 @@
 module test_two_pass
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use filter_library, only : fill_noise, make_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : unmet, failure => problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_two_pass
+   public :: suite_two_pass
 
    !> Samples of the series
    integer, parameter :: n = 12000
@@ -29,20 +28,17 @@ module test_two_pass
 
 contains
 
-   subroutine collect_two_pass(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("louder_in_the_middle", test_louder), &
-         & new_unittest("constant_noise", test_constant), &
-         & new_unittest("outliers_do_not_leak", test_outliers), &
-         & new_unittest("missing_samples", test_missing), &
-         & new_unittest("short_record", test_short), &
-         & new_unittest("both_directions_alike", test_reversed), &
-         & new_unittest("random_walk_with_steps", test_steps), &
-         & new_unittest("told_and_cancelled", test_progress), &
-         & new_unittest("refused", test_refused)]
-   end subroutine collect_two_pass
+   subroutine suite_two_pass()
+      call test("louder_in_the_middle", test_louder)
+      call test("constant_noise", test_constant)
+      call test("outliers_do_not_leak", test_outliers)
+      call test("missing_samples", test_missing)
+      call test("short_record", test_short)
+      call test("both_directions_alike", test_reversed)
+      call test("random_walk_with_steps", test_steps)
+      call test("told_and_cancelled", test_progress)
+      call test("refused", test_refused)
+   end subroutine suite_two_pass
 
    !> AR(1) 0.98 of 1e-4, white 4.2e-4.
    pure function usual_model() result(model)
@@ -79,11 +75,9 @@ contains
 
    !> Of a record of 200 samples a burn-in of 20 at most: a slow walk whose gain settles after thousands of samples leaves the rest
    !> to the adaptation, which sees that the white noise is a tenth of what the model says.
-   subroutine test_short(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_short()
       type(component_model_type) :: model
       type(filter_options) :: asked
-      type(gyro_error), allocatable :: failure
       real(dp) :: z(200), drift(200), white(200)
 
       model%count = 1
@@ -92,8 +86,7 @@ contains
       model%r = 10.0_dp
       call fill_noise(5, z)
       call smooth_adaptive(model, [.true.], usual_options(z), z, drift, failure, white=white)
-      call check(error, .not. allocated(failure), "refused")
-      if (allocated(error)) return
+      if (went_wrong(failure, "refused")) return
       call check(error, all(white < 3.0_dp), "the white noise is not adapted")
       asked = usual_options(z)
       asked%burn_in = 500
@@ -102,9 +95,7 @@ contains
    end subroutine test_short
 
    !> White noise nine times as strong in the middle third: within 1.03 of the smoother that knows it, the median of five series
-   subroutine test_louder(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_louder()
       real(dp), allocatable :: z(:), drift(:), white(:), x(:), y(:), v(:), r(:)
       real(dp) :: ratio(5), plain(5)
       integer :: seed
@@ -116,8 +107,7 @@ contains
          call smooth_drift(usual_model(), [.true.], z, x, failure)
          plain(seed) = norm2(x - drift)/norm2(y - drift)
          call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, variance=v, white=r)
-         call check(error, .not. allocated(failure), "the smoother failed")
-         if (allocated(error)) return
+         if (went_wrong(failure, "the smoother failed")) return
          ratio(seed) = norm2(x - drift)/norm2(y - drift)
          call check(error, sum((x - drift)**2/v)/n, 1.0_dp, thr=0.15_dp)      ! its variance is that of its errors
          call check(error, sum(log(r/white))/n, 0.0_dp, thr=0.15_dp)
@@ -127,9 +117,7 @@ contains
    end subroutine test_louder
 
    !> Where the noise does not change little is lost
-   subroutine test_constant(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_constant()
       real(dp), allocatable :: z(:), drift(:), x(:), y(:)
 
       allocate (z(n), drift(n), x(n), y(n))
@@ -140,9 +128,7 @@ contains
    end subroutine test_constant
 
    !> One sample in a hundred 4 to 20 standard deviations off, one very far
-   subroutine test_outliers(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_outliers()
       real(dp), allocatable :: z(:), drift(:), clean(:), x(:), y(:), r(:), u(:)
       integer :: k
 
@@ -163,9 +149,7 @@ contains
    end subroutine test_outliers
 
    !> Missing samples as NaN or masked; the drift is there too
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_missing()
       real(dp), allocatable :: z(:), drift(:), white(:), gaps(:), x(:), y(:), r(:)
       integer(int8), allocatable :: valid(:)
 
@@ -187,9 +171,7 @@ contains
    end subroutine test_missing
 
    !> The reversed series gives the reversed drift
-   subroutine test_reversed(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_reversed()
       type(component_model_type) :: model
       real(dp), allocatable :: z(:), drift(:), white(:), back(:), x(:), y(:), r(:), s(:)
 
@@ -209,9 +191,7 @@ contains
    end subroutine test_reversed
 
    !> A walk with steps is not taken for outliers
-   subroutine test_steps(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_steps()
       type(component_model_type) :: model
       real(dp), allocatable :: z(:), drift(:), x(:), y(:), w(:)
       integer :: k
@@ -235,9 +215,7 @@ contains
    end subroutine test_steps
 
    !> The caller is told, in order, and may end it
-   subroutine test_progress(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_progress()
       type(counting_type) :: caller
       real(dp), allocatable :: z(:), x(:)
       integer(int64) :: i
@@ -246,13 +224,11 @@ contains
       call fill_noise(14, z)
       z = 0.02_dp*z
       call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
-      call check(error, .not. allocated(failure) .and. caller%last > 0, "nobody is told")
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failure) .and. caller%last > 0, "nobody is told")) return
       do i = 1, 3
          caller = counting_type(ends=i*250000)
          call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
-         call check(error, allocated(failure) .and. caller%ordered, "the call is not ended")
-         if (allocated(error)) return
+         if (unmet(allocated(failure) .and. caller%ordered, "the call is not ended")) return
          call check(error, failure%code, status%cancelled)
       end do
    end subroutine test_progress
@@ -270,26 +246,19 @@ contains
    end subroutine count_calls
 
    !> What the filter and the smoother refuse
-   subroutine test_refused(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(gyro_error), allocatable :: failure
+   subroutine test_refused()
       type(filter_options) :: options
       real(dp) :: z(10), x(10), nothing(0), y(0)
 
       z = 1
       call smooth_adaptive(usual_model(), [.true., .true.], options, z, x, failure)
-      call check(error, allocated(failure), "two words for one process")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "two words for one process")) return
       call smooth_adaptive(usual_model(), [.true.], options, z, x(:9), failure)
-      call check(error, allocated(failure), "a short output")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "a short output")) return
       call smooth_adaptive(usual_model(), [.true.], options, nothing, y, failure)
-      call check(error, allocated(failure), "no samples at all")
-      if (allocated(error)) return
+      if (unmet(allocated(failure), "no samples at all")) return
       z = ieee_value(z, ieee_quiet_nan)
       call smooth_adaptive(usual_model(), [.true.], options, z, x, failure)
-      call check(error, allocated(failure), "no measurement")
-      if (allocated(error)) return
-      call check(error, failure%code, status%too_few_samples)
+      call check_refused(failure, status%too_few_samples)
    end subroutine test_refused
 end module test_two_pass

@@ -3,17 +3,15 @@
 !> says what the verdict excludes.
 module test_verdict
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type
    use gyroakf_record, only : record_type
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use gyroakf_allan_trend_test, only : block_count, block_means, find_trend, record_trend_type, trend_means, trend_test_options, &
       & trend_values
    use gyroakf_pipeline, only : channel_result_type, pipeline_options, pipeline_result_type, run_pipeline
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : failed => problem, test, error, check
    implicit none (type, external)
    private
-   public :: collect_verdict
+   public :: suite_verdict
 
    !> Noise whose verdict is known; at least so many of 8 records have it
    type :: case_type
@@ -40,21 +38,17 @@ module test_verdict
 
 contains
 
-   subroutine collect_verdict(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("block_means", test_means), &
-         & new_unittest("exact_trend", test_exact), &
-         & new_unittest("stated_errors", test_errors), &
-         & new_unittest("verdicts", test_verdicts), &
-         & new_unittest("own_terms", test_own_terms), &
-         & new_unittest("short_record", test_short)]
-   end subroutine collect_verdict
+   subroutine suite_verdict()
+      call test("block_means", test_means)
+      call test("exact_trend", test_exact)
+      call test("stated_errors", test_errors)
+      call test("verdicts", test_verdicts)
+      call test("own_terms", test_own_terms)
+      call test("short_record", test_short)
+   end subroutine suite_verdict
 
    !> Means of 128 blocks of 5; missing samples do not count, and blocks without a sample are bridged.
-   subroutine test_means(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_means()
       integer, parameter :: n = 5*block_count + 3
       real(dp) :: x(n), mean(block_count)
       integer(int8) :: valid(n)
@@ -80,14 +74,12 @@ contains
    end subroutine test_means
 
    !> Trends under next to no noise: their sizes, and their means.
-   subroutine test_exact(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_exact()
       integer(int64), parameter :: n = 20000
       type(record_trend_type) :: truth, found
       real(dp) :: x(n), mean(block_count)
       integer(int64) :: i
       integer :: k
-      type(gyro_error), allocatable :: failed
       logical :: enough
 
       truth%shape = "ramp"
@@ -111,13 +103,11 @@ contains
    end subroutine test_exact
 
    !> Stated standard errors of ramps and warm-ups against the scatter of 60 records.
-   subroutine test_errors(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_errors()
       integer, parameter :: trials = 60
       type(simulate_options) :: options
       type(record_type) :: record
       type(record_trend_type) :: trend, truth
-      type(gyro_error), allocatable :: failed
       real(dp) :: size_found(trials), stated(trials), mean(block_count), scatter
       integer(int64) :: i
       integer :: k, j
@@ -156,7 +146,6 @@ contains
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
       type(record_type) :: record
-      type(gyro_error), allocatable :: failed
       integer :: i
 
       simulated%samples = case%samples
@@ -181,8 +170,7 @@ contains
    end subroutine judge_record
 
    !> Each verdict, and that no coefficient says what it excludes.
-   subroutine test_verdicts(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_verdicts()
       type(channel_result_type) :: channel
       character(80) :: text
       integer :: k, i, right
@@ -192,7 +180,7 @@ contains
          do i = 1, records
             call judge_record(cases(k), 100*k + i, channel, "auto")
             if (any(channel%verdict%drift == cases(k)%drift)) right = right + 1
-            call check_consistent(error, channel)
+            call check_consistent(channel)
          end do
          write (text, "(2a, i0, a, i0)") trim(cases(k)%name), ": ", right, " of ", records
          call check(error, right >= cases(k)%least, trim(text))
@@ -200,8 +188,7 @@ contains
    end subroutine test_verdicts
 
    !> Statements that exclude each other.
-   subroutine check_consistent(error, channel)
-      type(error_type), allocatable, intent(inout) :: error
+   subroutine check_consistent(channel)
       type(channel_result_type), intent(in) :: channel
 
       associate (verdict => channel%verdict, k => channel%allan(1)%stated%term(4), r => channel%allan(1)%stated%term(5))
@@ -217,8 +204,7 @@ contains
    end subroutine check_consistent
 
    !> With terms of the user's own the verdict is the same, and does not rest on them.
-   subroutine test_own_terms(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_own_terms()
       type(channel_result_type) :: channel
 
       call judge_record(cases(5), 4321, channel, "NB")
@@ -227,8 +213,7 @@ contains
    end subroutine test_own_terms
 
    !> A record of 500 samples has no verdict.
-   subroutine test_short(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_short()
       type(channel_result_type) :: channel
       type(case_type) :: case
 

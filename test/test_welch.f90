@@ -3,14 +3,13 @@
 module test_welch
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_welch, only : welch_options, welch_type, welch_spectrum, default_segment
    use series_library, only : reference_series
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, went_wrong
    implicit none (type, external)
    private
-   public :: collect_welch
+   public :: suite_welch
 
    real(dp), parameter :: turn = 6.28318530717958647693_dp
    !> Sums of some hundred products of doubles
@@ -18,31 +17,25 @@ module test_welch
 
 contains
 
-   subroutine collect_welch(testsuite)
-      !> Tests of this module
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("direct", test_direct), &
-         new_unittest("parseval", test_parseval), &
-         new_unittest("published_freedom", test_freedom), &
-         new_unittest("sinusoid", test_sinusoid), &
-         new_unittest("white_level", test_white_level), &
-         new_unittest("limits", test_limits), &
-         new_unittest("invariance", test_invariance), &
-         new_unittest("large_offset", test_large_offset), &
-         new_unittest("threads", test_threads), &
-         new_unittest("gaps", test_gaps), &
-         new_unittest("default_segment", test_default), &
-         new_unittest("failures", test_failures)]
-   end subroutine collect_welch
+   subroutine suite_welch()
+      call test("direct", test_direct)
+      call test("parseval", test_parseval)
+      call test("published_freedom", test_freedom)
+      call test("sinusoid", test_sinusoid)
+      call test("white_level", test_white_level)
+      call test("limits", test_limits)
+      call test("invariance", test_invariance)
+      call test("large_offset", test_large_offset)
+      call test("threads", test_threads)
+      call test("gaps", test_gaps)
+      call test("default_segment", test_default)
+      call test("failures", test_failures)
+   end subroutine suite_welch
 
    !> Against transforms by their definition: odd segments, every window.
-   subroutine test_direct(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_direct()
       character(8), parameter :: windows(4) = [character(8) :: "hann", "hamming", "blackman", "none"]
       type(welch_type) :: s
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: i, k
 
@@ -87,11 +80,9 @@ contains
 
    !> An offset forty million times the scatter costs no digit, with missing samples and without: the same samples less the offset,
    !> which no subtraction rounds.
-   subroutine test_large_offset(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_large_offset()
       real(dp), parameter :: offset = 1.0e6_dp
       type(welch_type) :: s, without
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8) :: valid(1000)
       integer :: round
@@ -112,10 +103,8 @@ contains
    end subroutine test_large_offset
 
    !> One rectangular segment: the density over all frequencies is the variance.
-   subroutine test_parseval(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_parseval()
       type(welch_type) :: s
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       real(dp) :: variance
 
@@ -129,10 +118,8 @@ contains
    end subroutine test_parseval
 
    !> Hann's window: noise bandwidth 3/2 of a bin; half overlap, K segments: 2 K/(1 + (1/18)(K - 1)/K) degrees of freedom.
-   subroutine test_freedom(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_freedom()
       type(welch_type) :: s
-      type(gyro_error), allocatable :: problem
 
       call welch_spectrum(reference_series("wn", 1000), 1.0_dp, welch_options(segment=100), s, problem)
       call check(error, int(s%segments), 19)
@@ -143,10 +130,8 @@ contains
    end subroutine test_freedom
 
    !> A sinusoid of amplitude A in the middle of a bin: one-sided density A^2/2 over the noise bandwidth.
-   subroutine test_sinusoid(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_sinusoid()
       type(welch_type) :: s
-      type(gyro_error), allocatable :: problem
       real(dp) :: x(1024)
       integer :: t
 
@@ -157,10 +142,8 @@ contains
    end subroutine test_sinusoid
 
    !> White noise of variance v at interval dt has the two-sided density v dt.
-   subroutine test_white_level(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_white_level()
       type(welch_type) :: s
-      type(gyro_error), allocatable :: problem
 
       call welch_spectrum(0.1_dp*reference_series("wn", 12000), 0.005_dp, welch_options(), s, problem)
       call check(error, int(s%segment), 1024)
@@ -168,10 +151,8 @@ contains
    end subroutine test_white_level
 
    !> So many densities of white noise have the truth between their limits as the confidence says.
-   subroutine test_limits(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_limits()
       type(welch_type) :: s
-      type(gyro_error), allocatable :: problem
       integer :: inside
 
       call welch_spectrum(reference_series("wn_bm", 12000), 1.0_dp, welch_options(segment=1000, confidence=0.9_dp), s, problem)
@@ -181,10 +162,8 @@ contains
    end subroutine test_limits
 
    !> The same on one thread and on two.
-   subroutine test_threads(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_threads()
       type(welch_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer :: before
 
@@ -195,16 +174,13 @@ contains
       call set_thread_count(2)
       if (.not. allocated(problem)) call welch_spectrum(x, 1.0_dp, welch_options(segment=1000), b, problem)
       call set_thread_count(before)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, maxval(abs(b%density - a%density)) <= 0.0_dp .and. all(a%density > 0.0_dp))
    end subroutine test_threads
 
    !> Offset and scale.
-   subroutine test_invariance(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_invariance()
       type(welch_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
 
       x = reference_series("ar1", 1000)
@@ -216,10 +192,8 @@ contains
    end subroutine test_invariance
 
    !> Missing samples: their values do not matter, white noise keeps its level, long gaps leave segments out.
-   subroutine test_gaps(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_gaps()
       type(welch_type) :: a, b
-      type(gyro_error), allocatable :: problem
       real(dp), allocatable :: x(:)
       integer(int8) :: valid(12000)
       integer :: t
@@ -239,9 +213,7 @@ contains
    end subroutine test_gaps
 
    !> The largest power of two that fits eight times, at most 16384.
-   subroutine test_default(error)
-      type(error_type), allocatable, intent(out) :: error
-
+   subroutine test_default()
       call check(error, int(default_segment(2_int64)), 2)
       call check(error, int(default_segment(1000_int64)), 64)
       call check(error, int(default_segment(12000_int64)), 1024)
@@ -249,35 +221,32 @@ contains
    end subroutine test_default
 
    !> Each option out of range, nothing present, one sample.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       real(dp) :: x(20)
       integer(int8) :: nothing(20)
 
       x = 1.0_dp
       nothing = 0_int8
-      call expect(x(:1), 1.0_dp, welch_options(), status%too_few_samples, error)
-      if (.not. allocated(error)) call expect(x, 0.0_dp, welch_options(), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(segment=21), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(segment=1), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(window="hat"), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(overlap=1.0_dp), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(confidence=1.0_dp), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(min_coverage=0.0_dp), status%invalid_argument, error)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(), status%too_few_samples, error, nothing)
-      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(segment=2), status%ok, error)
+      call expect(x(:1), 1.0_dp, welch_options(), status%too_few_samples)
+      if (.not. allocated(error)) call expect(x, 0.0_dp, welch_options(), status%invalid_argument)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(segment=21), status%invalid_argument)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(segment=1), status%invalid_argument)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(window="hat"), status%invalid_argument)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(overlap=1.0_dp), status%invalid_argument)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(confidence=1.0_dp), status%invalid_argument)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(min_coverage=0.0_dp), status%invalid_argument)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(), status%too_few_samples,  nothing)
+      if (.not. allocated(error)) call expect(x, 1.0_dp, welch_options(segment=2), status%ok)
    end subroutine test_failures
 
    !> The status of one call.
-   subroutine expect(x, dt, options, code, error, valid)
+   subroutine expect(x, dt, options, code,  valid)
       real(dp), intent(in) :: x(:)
       real(dp), intent(in) :: dt
       type(welch_options), intent(in) :: options
       integer, intent(in) :: code
-      type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       type(welch_type) :: s
-      type(gyro_error), allocatable :: problem
       integer :: got
 
       call welch_spectrum(x, dt, options, s, problem, valid)

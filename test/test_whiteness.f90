@@ -3,15 +3,14 @@
 !> the series (series_library, 1000 samples each) and rounded once.
 module test_whiteness
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box, ljung_box_of, default_lags
    use series_library, only : reference_series, reference_names
-   use expectations, only : check
-   use testdrive, only : error_type, new_unittest, unittest_type
+   use expectations, only : problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
-   public :: collect_whiteness
+   public :: suite_whiteness
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
    !> 1, 10 and 20 lags in the order of reference_names
@@ -33,27 +32,21 @@ module test_whiteness
 
 contains
 
-   subroutine collect_whiteness(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         & new_unittest("by_hand", test_by_hand), &
-         & new_unittest("reference", test_reference), &
-         & new_unittest("offset_scale", test_offset_scale), &
-         & new_unittest("missing", test_missing), &
-         & new_unittest("fitted", test_fitted), &
-         & new_unittest("failures", test_failures)]
-   end subroutine collect_whiteness
+   subroutine suite_whiteness()
+      call test("by_hand", test_by_hand)
+      call test("reference", test_reference)
+      call test("offset_scale", test_offset_scale)
+      call test("missing", test_missing)
+      call test("fitted", test_fitted)
+      call test("failures", test_failures)
+   end subroutine suite_whiteness
 
    !> 1 2 3 4: rho = 1/4, -3/10; Q = 4 6 (1/48 + 9/200).
-   subroutine test_by_hand(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_by_hand()
       type(ljung_box_type) :: lb
-      type(gyro_error), allocatable :: problem
 
       call test_ljung_box([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], 2, 0, lb, problem)
-      call check(error, .not. allocated(problem), "it failed")
-      if (allocated(error)) return
+      if (went_wrong(problem)) return
       call check(error, lb%statistic, 24.0_dp*(1.0_dp/48.0_dp + 0.045_dp), thr=tolerance)
       call check(error, lb%p_value, exp(-12.0_dp*(1.0_dp/48.0_dp + 0.045_dp)), thr=tolerance)
       call check(error, lb%largest_rho, 0.3_dp, thr=tolerance)
@@ -61,17 +54,14 @@ contains
    end subroutine test_by_hand
 
    !> The eleven series; a p-value moves by Q/2 times the rounding of Q.
-   subroutine test_reference(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_reference()
       type(ljung_box_type) :: lb
-      type(gyro_error), allocatable :: problem
       integer :: i, j
 
       do i = 1, size(reference_names)
          do j = 1, size(lags_of)
             call test_ljung_box(reference_series(trim(reference_names(i)), 1000), lags_of(j), 0, lb, problem)
-            call check(error, .not. allocated(problem), "it failed")
-            if (allocated(error)) return
+            if (went_wrong(problem)) return
             call check(error, lb%statistic, statistic_of(j, i), reference_names(i), thr=tolerance, rel=.true.)
          end do
          call check(error, abs(lb%p_value - p_value_of(i)) <= tolerance*max(1.0_dp, lb%statistic)*p_value_of(i), &
@@ -80,11 +70,9 @@ contains
    end subroutine test_reference
 
    !> An offset of 2^40 and a scale of 2^-50 lose nothing, as the values are multiples of 1/1024.
-   subroutine test_offset_scale(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_offset_scale()
       type(ljung_box_type) :: a, b
       real(dp), allocatable :: x(:)
-      type(gyro_error), allocatable :: problem
 
       x = anint(1024.0_dp*reference_series("wn", 9000))/1024.0_dp
       call test_ljung_box(x, 15, 0, a, problem)
@@ -95,12 +83,10 @@ contains
 
    !> An all-present mask changes nothing; white noise with 5 % and 40 % lost stays white, and AR(1)
    !> noise does not become it.
-   subroutine test_missing(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_missing()
       type(ljung_box_type) :: a, b
       real(dp), allocatable :: x(:), u(:)
       integer(int8), allocatable :: valid(:)
-      type(gyro_error), allocatable :: problem
 
       x = reference_series("wn_bm", 5000)
       u = reference_series("unif", 5000)
@@ -119,12 +105,10 @@ contains
    end subroutine test_missing
 
    !> Fitted parameters cost degrees of freedom: with 4 lags and 2 parameters p = exp(-Q/2).
-   subroutine test_fitted(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_fitted()
       type(ljung_box_type) :: lb
       real(dp), allocatable :: r(:)
       real(dp) :: mean
-      type(gyro_error), allocatable :: problem
 
       call compute_autocovariance(reference_series("wn", 1000), 4, mean, r, problem)
       call ljung_box_of(r, 1000_int64, 2, lb, problem)
@@ -135,25 +119,17 @@ contains
    end subroutine test_fitted
 
    !> Each error.
-   subroutine test_failures(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_failures()
       type(ljung_box_type) :: lb
       real(dp) :: x(5)
-      type(gyro_error), allocatable :: problem
 
       x = 0.1_dp
       call test_ljung_box(x, 3, 3, lb, problem)
-      call check(error, allocated(problem), "no degree of freedom")
-      if (allocated(error)) return
-      call check(error, problem%code, status%invalid_argument)
+      call check_refused(problem, status%invalid_argument)
       call test_ljung_box(x, 5, 0, lb, problem)
-      call check(error, allocated(problem), "5 lags of 5 samples")
-      if (allocated(error)) return
-      call check(error, problem%code, status%too_few_samples)
+      call check_refused(problem, status%too_few_samples)
       call test_ljung_box(x, 2, 0, lb, problem)
-      call check(error, allocated(problem), "a constant")
-      if (allocated(error)) return
-      call check(error, problem%code, status%constant_input)
+      call check_refused(problem, status%constant_input)
    end subroutine test_failures
 
 end module test_whiteness

@@ -2,8 +2,7 @@
 !> Files that appear whole or not at all.
 module test_writer
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
-   use expectations, only : check, check_refused
-   use testdrive, only : new_unittest, unittest_type, error_type
+   use expectations, only : unmet, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_source, only : is_directory
@@ -13,7 +12,7 @@ module test_writer
    use scratch_file, only : scratch_path
    implicit none (type, external)
    private
-   public :: collect_writer
+   public :: suite_writer
 
    character(*), parameter :: path = "test_writer_scratch.tmp"
    character(1), parameter :: lf = new_line("a")
@@ -25,26 +24,24 @@ module test_writer
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int) :: failed
       end function c_rmdir
+
    end interface
 
 contains
 
    !> Names the tests.
-   subroutine collect_writer(testsuite)
-      type(unittest_type), allocatable, intent(out) :: testsuite(:)
-
-      testsuite = [ &
-         new_unittest("commit", test_commit), &
-         new_unittest("discard", test_discard), &
-         new_unittest("complete", test_complete), &
-         new_unittest("long", test_long), &
-         new_unittest("numbers", test_numbers), &
-         new_unittest("leftovers", test_leftovers), &
-         new_unittest("full-device", test_full_device), &
-         new_unittest("nowhere", test_nowhere), &
-         new_unittest("device", test_device), &
-         new_unittest("make-directory", test_make_directory)]
-   end subroutine collect_writer
+   subroutine suite_writer()
+      call test("commit", test_commit)
+      call test("discard", test_discard)
+      call test("complete", test_complete)
+      call test("long", test_long)
+      call test("numbers", test_numbers)
+      call test("leftovers", test_leftovers)
+      call test("full-device", test_full_device)
+      call test("nowhere", test_nowhere)
+      call test("device", test_device)
+      call test("make-directory", test_make_directory)
+   end subroutine suite_writer
 
    !> Writes a line into the scratch file.
    subroutine begin(writer, line)
@@ -72,8 +69,7 @@ contains
 
    !> What a killed process left of the same file goes when it is begun again; not what may be another's: a process that is there
    !> (the first of the system), no process's number, another file's.
-   subroutine test_leftovers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_leftovers()
       character(*), parameter :: no_process = ".part2147483646"
       type(writer_type) :: writer
       integer :: unit, i
@@ -100,17 +96,14 @@ contains
       call check(error, all(left(2:)), "a file that is no leftover of this one is gone")
    end subroutine test_leftovers
 
-   subroutine test_commit(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_commit()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
 
       call begin(writer, "one")
       call check(error, .not. exists(path) .and. exists(writer%aside))
-      if (allocated(error)) return
       call commit_writer(writer, failed)
-      call check(error, .not. allocated(failed) .and. .not. exists(writer%aside))
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. .not. exists(writer%aside))) return
       call check(error, file_text(path), "one"//lf)
       call commit_writer(writer, failed)
       call discard_writer(writer)
@@ -119,8 +112,7 @@ contains
    end subroutine test_commit
 
    !> The file of an earlier run stays.
-   subroutine test_discard(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_discard()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
 
@@ -134,19 +126,16 @@ contains
    end subroutine test_discard
 
    !> Complete, but not there before the commit; a completed file can still be given up.
-   subroutine test_complete(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_complete()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
 
       call begin(writer, "one")
       call complete_writer(writer, failed)
-      call check(error, .not. allocated(failed) .and. .not. exists(path))
-      if (allocated(error)) return
+      if (unmet(.not. allocated(failed) .and. .not. exists(path))) return
       call check(error, file_text(writer%aside), "one"//lf)
       call discard_writer(writer)
       call check(error, .not. exists(writer%aside) .and. .not. exists(path))
-      if (allocated(error)) return
       call begin(writer, "two")
       call complete_writer(writer, failed)
       call commit_writer(writer, failed)
@@ -155,8 +144,7 @@ contains
    end subroutine test_complete
 
    !> Longer than the buffer, in one piece and in many.
-   subroutine test_long(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_long()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
       character(:), allocatable :: text
@@ -172,8 +160,7 @@ contains
       call remove(path)
    end subroutine test_long
 
-   subroutine test_numbers(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_numbers()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
       integer :: i
@@ -188,8 +175,7 @@ contains
    end subroutine test_numbers
 
    !> A write that fails is reported when the file is completed.
-   subroutine test_full_device(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_full_device()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
 
@@ -197,30 +183,26 @@ contains
       call open_writer(writer, "/dev/full", failed)
       call put_line(writer, "one")
       call complete_writer(writer, failed)
-      call check_refused(error, failed, status%io)
+      call check_refused(failed, status%io)
       call commit_writer(writer, failed)
       call check(error, .not. allocated(failed))
    end subroutine test_full_device
 
-   subroutine test_nowhere(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_nowhere()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
 
       call open_writer(writer, "no_such_directory/file.txt", failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
+      if (unmet(allocated(failed))) return
       call check(error, failed%code == status%io .and. index(failed%message, "no_such_directory/file.txt") == 1)
       call open_writer(writer, ".", failed)
-      call check(error, allocated(failed))
-      if (allocated(error)) return
+      if (unmet(allocated(failed))) return
       call make_directory("/dev/null/x", failed)
       call check(error, allocated(failed))
    end subroutine test_nowhere
 
    !> A device is written to, not replaced.
-   subroutine test_device(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_device()
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
 
@@ -231,19 +213,16 @@ contains
       call check(error, .not. allocated(failed), "refused")
    end subroutine test_device
 
-   subroutine test_make_directory(error)
-      type(error_type), allocatable, intent(out) :: error
+   subroutine test_make_directory()
       type(gyro_error), allocatable :: failed
       character(:), allocatable :: place
       integer(c_int) :: ignored
 
       place = scratch_path("directory")
       call make_directory(place//"/a/b/", failed)
-      call check(error, is_directory(place//"/a/b") .and. .not. allocated(failed), "not made")
-      if (allocated(error)) return
+      if (unmet(is_directory(place//"/a/b") .and. .not. allocated(failed), "not made")) return
       call make_directory(place//"/a", failed)
-      call check(error, .not. allocated(failed), "there already")
-      if (allocated(error)) return
+      if (went_wrong(failed, "there already")) return
       ignored = c_rmdir(place//"/a/b"//c_null_char)
       ignored = c_rmdir(place//"/a"//c_null_char)
       ignored = c_rmdir(place//c_null_char)
