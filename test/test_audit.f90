@@ -25,7 +25,6 @@ module test_audit
 
 contains
 
-   !> Names the tests.
    subroutine suite_audit()
       call test("even", test_even)
       call test("jitter", test_jitter)

@@ -22,7 +22,6 @@ module test_cadence
 
 contains
 
-   !> Names the tests.
    subroutine suite_cadence()
       call test("every-kth-lost", test_every_kth)
       call test("random-losses", test_random)

@@ -16,7 +16,6 @@ module test_chart
 
 contains
 
-   !> Names the tests.
    subroutine suite_chart()
       call test("places", test_places)
       call test("model", test_model)

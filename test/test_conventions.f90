@@ -21,7 +21,6 @@ module test_conventions
 
 contains
 
-   !> Names the tests.
    subroutine suite_conventions()
       call test("rate", test_rate)
       call test("acceleration", test_acceleration)

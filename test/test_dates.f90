@@ -18,7 +18,6 @@ module test_dates
 
 contains
 
-   !> Names the tests.
    subroutine suite_dates()
       call test("days", test_days)
       call test("kinds", test_kinds)

@@ -16,7 +16,6 @@ module test_decimal
 
 contains
 
-   !> Names the tests.
    subroutine suite_decimal()
       call test("written-numbers", test_numbers)
       call test("not-finite", test_not_finite)

@@ -24,7 +24,6 @@ module test_figures
 
 contains
 
-   !> Names the tests.
    subroutine suite_figures()
       call test("axis", test_axis)
       call test("ticks", test_ticks)

@@ -16,7 +16,6 @@ module test_json
 
 contains
 
-   !> Names the tests.
    subroutine suite_json()
       call test("nesting", test_nesting)
       call test("empty", test_empty)

@@ -19,7 +19,6 @@ module test_kalibr
 
 contains
 
-   !> Names the tests.
    subroutine suite_kalibr()
       call test("gyroscope-alone", test_gyroscope)
       call test("six-axes", test_six_axes)

@@ -24,7 +24,6 @@ module test_legacy
 
 contains
 
-   !> Names the tests.
    subroutine suite_legacy()
       call test("gyadev", test_gyadev)
       call test("gynfit", test_gynfit)

@@ -11,7 +11,6 @@ module test_machine_memory
 
 contains
 
-   !> Names the tests.
    subroutine suite_machine_memory()
       call test("line", test_line)
       call test("limits", test_limits)

@@ -14,7 +14,6 @@ module test_npy
 
 contains
 
-   !> Names the tests.
    subroutine suite_npy()
       call test("floats", test_floats)
       call test("integers", test_integers)

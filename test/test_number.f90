@@ -45,7 +45,6 @@ module test_number
 
 contains
 
-   !> Names the tests.
    subroutine suite_number()
       call test("written-numbers", test_written)
       call test("refused-texts", test_refused)

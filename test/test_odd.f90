@@ -14,7 +14,6 @@ module test_odd
 
 contains
 
-   !> Names the tests.
    subroutine suite_odd()
       call test("readable", test_readable)
       call test("names", test_names)

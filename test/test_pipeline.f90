@@ -23,7 +23,6 @@ module test_pipeline
 
 contains
 
-   !> Names the tests.
    subroutine suite_pipeline()
       call test("example", test_example)
       call test("example-coefficients", test_example_coefficients)

@@ -13,7 +13,6 @@ module test_pipeline_drift
 
 contains
 
-   !> Names the tests.
    subroutine suite_pipeline_drift()
       call test("drift", test_drift)
       call test("walk-stated", test_walk_stated)

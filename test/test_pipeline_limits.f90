@@ -15,7 +15,6 @@ module test_pipeline_limits
 
 contains
 
-   !> Names the tests.
    subroutine suite_pipeline_limits()
       call test("one-channel-fails", test_one_channel_fails)
       call test("nothing-known", test_nothing_known)

@@ -19,7 +19,6 @@ module test_raw
 
 contains
 
-   !> Names the tests.
    subroutine suite_raw()
       call test("words", test_words)
       call test("doubles", test_doubles)

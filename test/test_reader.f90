@@ -16,7 +16,6 @@ module test_reader
 
 contains
 
-   !> Names the tests.
    subroutine suite_reader()
       call test("separators", test_separators)
       call test("line-ends", test_line_ends)

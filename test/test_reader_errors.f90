@@ -21,7 +21,6 @@ module test_reader_errors
 
 contains
 
-   !> Names the tests.
    subroutine suite_reader_errors()
       call test("whole-message", test_whole_message)
       call test("bad-tokens", test_tokens)

@@ -26,7 +26,6 @@ module test_report
 
 contains
 
-   !> Names the tests.
    subroutine suite_report()
       call test("numbers", test_numbers)
       call test("document-command-line", test_command_line)
@@ -57,16 +56,26 @@ contains
       character(*), intent(in) :: command
       logical, intent(in) :: known
       character(:), allocatable, intent(out) :: text
-      type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
 
       call make_record(record, known)
       call make_result(record, result)
+      call report_of(command, record, result, text)
+   end subroutine run_text
+
+   !> The report of a command.
+   subroutine report_of(command, record, result, text)
+      character(*), intent(in) :: command
+      type(record_type), intent(in) :: record
+      type(pipeline_result_type), intent(in) :: result
+      character(:), allocatable, intent(out) :: text
+      type(writer_type) :: writer
+
       call begin_text(writer)
       call write_report(writer, command, record, pipeline_options(), result)
       call end_text(writer, text)
-   end subroutine run_text
+   end subroutine report_of
 
    !> The longest line, in characters.
    integer function longest_line(text)
@@ -280,7 +289,6 @@ contains
 
    !> A long path, a long name, huge numbers: never wider than 80 columns.
    subroutine test_width()
-      type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
       character(:), allocatable :: text
@@ -293,9 +301,7 @@ contains
       result%channel(1)%ar%table%aic = -1.23456789e9_dp
       result%channel(1)%ar%table%bic = -1.23456789e9_dp
       result%channel(1)%kf%mean = -1.0e-200_dp
-      call begin_text(writer)
-      call write_report(writer, "run", record, pipeline_options(), result)
-      call end_text(writer, text)
+      call report_of("run", record, result, text)
       call check(error, longest_line(text) <= report_width)
    end subroutine test_width
 
@@ -423,7 +429,6 @@ contains
          "white noise 0.0050 +/- 0.0021", "maximum likelihood from 12 samples", &
          "model walk+ar1, chosen, parameters ", "AIC -58726.91, BIC -58697.34", &
          "the paper's filters pass a constant rotation in part (DC gain: KF 61 %, AKF 21 %)"]
-      type(writer_type) :: writer
       type(record_type) :: record
       type(pipeline_result_type) :: result
       character(:), allocatable :: text, flat
@@ -432,9 +437,7 @@ contains
       call make_record(record, .true.)
       call make_result(record, result)
       call fill_drift(record, result%channel(1))
-      call begin_text(writer)
-      call write_report(writer, "run", record, pipeline_options(), result)
-      call end_text(writer, text)
+      call report_of("run", record, result, text)
       call check(error, longest_line(text) <= report_width)
       call check(error, index(text, lf//"  compensated  < 9.72       0.8532   < 9.72      < 583        -"//lf// &
                  "                         +/- 0.011"//lf) > 0)
@@ -448,9 +451,7 @@ contains
       result%channel(1)%available%drift_smoother = .false.
       result%channel(1)%drift%found = .false.
       result%channel(1)%drift%chosen = 1
-      call begin_text(writer)
-      call write_report(writer, "run", record, pipeline_options(), result)
-      call end_text(writer, text)
+      call report_of("run", record, result, text)
       call unwrap(text, flat)
       call check(error, index(flat, "Drift model not found") > 0 .and. index(flat, "In-sample") == 0 .and. &
                  index(flat, "there is nothing that a filter could follow") > 0, flat)

@@ -18,7 +18,6 @@ module test_report_models
 
 contains
 
-   !> Names the tests.
    subroutine suite_report_models()
       call test("truth", test_truth)
       call test("truth-document", test_truth_document)

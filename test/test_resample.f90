@@ -18,7 +18,6 @@ module test_resample
 
 contains
 
-   !> Names the tests.
    subroutine suite_resample()
       call test("nearest-jitter", test_nearest_jitter)
       call test("nearest-gap-twice", test_nearest_gap)

@@ -10,7 +10,6 @@ module test_store
 
 contains
 
-   !> Names the tests.
    subroutine suite_store()
       call test("many-pages", test_pages)
       call test("single-chunk", test_single)

@@ -17,7 +17,6 @@ module test_table
 
 contains
 
-   !> Names the tests.
    subroutine suite_table()
       call test("signs", test_signs)
       call test("signs-in-names", test_names)

@@ -16,7 +16,6 @@ module test_tables
 
 contains
 
-   !> Names the tests.
    subroutine suite_tables()
       call test("descriptions", test_descriptions)
       call test("nothing", test_nothing)

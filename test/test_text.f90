@@ -19,7 +19,6 @@ module test_text
 
 contains
 
-   !> Names the tests.
    subroutine suite_text()
       call test("split-mixed", test_split_mixed)
       call test("split-tabs-names", test_split_tabs)

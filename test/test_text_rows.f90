@@ -29,7 +29,6 @@ module test_text_rows
 
 contains
 
-   !> Names the tests.
    subroutine suite_text_rows()
       call test("every-kind-of-line", test_every_kind)
       call test("returns-only", test_returns)

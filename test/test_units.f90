@@ -16,7 +16,6 @@ module test_units
 
 contains
 
-   !> Names the tests.
    subroutine suite_units()
       call test("factors", test_factors)
       call test("spellings", test_spellings)

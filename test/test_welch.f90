@@ -241,8 +241,7 @@ contains
 
    !> The status of one call.
    subroutine expect(x, dt, options, code,  valid)
-      real(dp), intent(in) :: x(:)
-      real(dp), intent(in) :: dt
+      real(dp), intent(in) :: x(:), dt
       type(welch_options), intent(in) :: options
       integer, intent(in) :: code
       integer(int8), intent(in), optional :: valid(:)

@@ -29,7 +29,6 @@ module test_writer
 
 contains
 
-   !> Names the tests.
    subroutine suite_writer()
       call test("commit", test_commit)
       call test("discard", test_discard)
