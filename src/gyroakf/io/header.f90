@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `# columns: t gx gy gz`.
+!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `#
+!> columns: t gx gy gz`.
 !>
-!> They are read leniently (the first number counts); a value that cannot be understood is a warning, never an error.
+!> They are read leniently (the first number counts); a value that cannot be understood is a
+!> warning, never an error.
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_column_class, only : noteless_length
@@ -28,7 +30,8 @@ module gyroakf_io_header
       real(dp) :: rate_hz = 0.0_dp
       !> Of the values; quantity unknown where it says none
       type(unit_type) :: unit
-      !> Of each column, as written: [column], with or without the time's; unallocated where it says none
+      !> Of each column, as written: [column], with or without the time's; unallocated where it says
+      !> none
       type(text_type), allocatable :: units(:)
       !> What could not be understood of the units: of no account where the user gives one
       type(text_type), allocatable :: unit_warnings(:)
@@ -38,14 +41,11 @@ module gyroakf_io_header
 
 contains
 
-   !> Takes in one comment line; lines without a known key are ignored. A rate may stand behind other
-   !> keys and their values.
+   !> Takes in one comment line; lines without a known key are ignored. A rate may stand behind
+   !> other keys and their values.
    subroutine read_comment(lines, header, warnings)
-      !> At the line
       type(lines_type), intent(in) :: lines
-      !> What is known so far
       type(header_type), intent(inout) :: header
-      !> What could not be understood
       type(text_type), allocatable, intent(inout) :: warnings(:)
       integer(int64) :: first, from, last, mark
       character(:), allocatable :: key
@@ -63,8 +63,8 @@ contains
          from = first_visible(lines%bytes, mark + 1, lines%to)
          last = last_visible(lines%bytes, from, lines%to)
          select case (key)
-         case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate", "data rate", "data_rate", &
-               "sample_rate", "sampling_rate", "sampling frequency")
+         case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate", "data rate", &
+            "data_rate", "sample_rate", "sampling_rate", "sampling frequency")
             call read_rate(lines, from, key, header, warnings)
             return
          case ("unit", "units")
@@ -104,8 +104,8 @@ contains
       word = lower(bytes_text(bytes, p, to - 1))
    end subroutine first_number
 
-   !> Keys `rate_hz` and `dt`, in Hz and seconds unless a unit follows; where an earlier line said another rate, the later counts
-   !> and a warning says so.
+   !> Keys `rate_hz` and `dt`, in Hz and seconds unless a unit follows; where an earlier line said
+   !> another rate, the later counts and a warning says so.
    subroutine read_rate(lines, first, key, header, warnings)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: first
@@ -126,13 +126,15 @@ contains
       end if
       if (key == "dt") x = 1.0_dp/x
       if (header%rate_hz > 0.0_dp .and. abs(header%rate_hz - x) > 1.0e-6_dp*x) then
-         call add_text(warnings, "line "//integer_text(lines%number)//": the header gives a second rate, "//format_real(x, 6)// &
-                       " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, `rate_hz` overrides it")
+         call add_text(warnings, "line "//integer_text(lines%number)// &
+            ": the header gives a second rate, "//format_real(x, 6)//" Hz after "// &
+            format_real(header%rate_hz, 6)//" Hz; the last counts, `rate_hz` overrides it")
       end if
       header%rate_hz = x
    end subroutine read_rate
 
-   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is `units`, one for each column.
+   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is
+   !> `units`, one for each column.
    subroutine read_unit(lines, first, last, key, header)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: first, last
@@ -154,7 +156,8 @@ contains
             call parse_unit(words(i)%text, unit, failed)
             if (.not. allocated(failed)) several = several + 1
          end do
-         if (several > 0 .and. size(words) > 1 .and. (several == size(words) .or. key == "units")) then
+         if (several > 0 .and. size(words) > 1 .and. &
+            (several == size(words) .or. key == "units")) then
             call move_alloc(words, header%units)
             header%unit = unit_type()
             return
@@ -167,8 +170,8 @@ contains
       if (allocated(failed)) then
          call warn(lines, first, key, "is not known", header%unit_warnings)
          if (index(value, "increment") > 0) call add_text(header%unit_warnings, &
-            "if the numbers are increments of an angle, say so: `input` increment, `unit` arcsec "// &
-            "(deg, rad, ...), and `scale` F where a count is F of that unit")
+            "if the numbers are increments of an angle, say so: `input` increment, `unit` "// &
+            "arcsec (deg, rad, ...), and `scale` F where a count is F of that unit")
       else
          header%unit = unit
          if (allocated(header%units)) deallocate (header%units)
@@ -224,8 +227,8 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
 
       call add_text(warnings, "line "//integer_text(lines%number)//": the header's "//key//" '"// &
-         shown_bytes(lines%bytes, first, &
-         min(last_visible(lines%bytes, first, lines%to), first + 60))//"' "//what//" and is ignored")
+         shown_bytes(lines%bytes, first, min(last_visible(lines%bytes, first, lines%to), &
+         first + 60))//"' "//what//" and is ignored")
    end subroutine warn
 
 end module gyroakf_io_header

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Rows that are no samples of their own: without a time, or with the stamp and the values of the row above.
+!> Rows that are no samples of their own: without a time, or with the stamp and the values of the
+!> row above.
 !>
 !> A row without a time stays where it fills exactly the places that are free between its neighbors;
 !> its stamp is not invented anywhere else. Where neighbors of different stamps are as often alike
@@ -18,7 +19,8 @@ contains
 
    !> Takes rows out that are no samples of their own.
    subroutine leave_rows_out(t, value, audit, dropped, error)
-      !> s, NaN where missing; none missing afterwards; of size 0 where fewer than half of the rows with values have a time
+      !> s, NaN where missing; none missing afterwards; of size 0 where fewer than half of the rows
+      !> with values have a time
       real(dp), allocatable, intent(inout) :: t(:)
       !> [row, channel]
       real(dp), allocatable, intent(inout) :: value(:, :)
@@ -37,10 +39,8 @@ contains
       allocate (dropped(0))
       if (without == 0 .and. .not. any_repeats(t, value)) return
       allocate (keep(n), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory to leave out rows")
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory to leave out rows")
+      if (allocated(error)) return
       keep(:) = .true.
       if (without > 0) call place_untimed(t, value, keep, audit, error)
       if (allocated(error) .or. size(t) == 0) return
@@ -59,10 +59,8 @@ contains
       integer :: j, failed
 
       allocate (shorter(count(keep), size(value, 2)), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a part of the rows")
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a part of the rows")
+      if (allocated(error)) return
       do j = 1, size(value, 2)
          shorter(:, j) = pack(value(:, j), keep)
       end do
@@ -70,7 +68,8 @@ contains
       t = pack(t, keep)
    end subroutine keep_rows
 
-   !> Lets rows without a time fill the places between their neighbors, where they are as many; the others are not kept.
+   !> Lets rows without a time fill the places between their neighbors, where they are as many; the
+   !> others are not kept.
    subroutine place_untimed(t, value, keep, audit, error)
       real(dp), allocatable, intent(inout) :: t(:)
       real(dp), intent(in), contiguous :: value(:, :)
@@ -151,7 +150,8 @@ contains
          end if
          last = i
       end do
-      if (real(alike(1), dp)*real(max(met(2), 1_int64), dp) <= 10.0_dp*real(met(1), dp)*real(alike(2), dp)) return
+      if (real(alike(1), dp)*real(max(met(2), 1_int64), dp) <= 10.0_dp*real(met(1), &
+         dp)*real(alike(2), dp)) return
       last = 0
       do i = 1, n
          if (.not. keep(i)) cycle

@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> Labels, brackets and checksums in rows: `gx=1.2, gy=-3`, `{"gx": 1.2}`, `0.01,"[1, 2, 3]"`, `$IMU,1,2*5A`, `b'1.2'`.
+!> Labels, brackets and checksums in rows: `gx=1.2, gy=-3`, `{"gx": 1.2}`, `0.01,"[1, 2, 3]"`,
+!> `$IMU,1,2*5A`, `b'1.2'`.
 !>
-!> They become blanks in the rows where they are those of the first row, which leaves numbers between separators.
+!> They become blanks in the rows where they are those of the first row, which leaves numbers
+!> between separators.
 module gyroakf_io_marks
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : class_of, column_class, is_unit
@@ -22,13 +24,15 @@ module gyroakf_io_marks
       integer(int64) :: skeleton = 0
    end type marks_type
 
-   character(*), parameter :: opening = "[({<", closing = "])}>", quotes = """'", separators = " ,;"//achar(9)//achar(13)
+   character(*), parameter :: opening = "[({<", closing = "])}>", quotes = """'", &
+      separators = " ,;"//achar(9)//achar(13)
    integer(int8), parameter :: blank = 32
 
 contains
 
-   !> Writes blanks for the marks of lines where they are those of the first row, or where a line holds nothing else; others become
-   !> blank where only rows with the labels of the first are wanted.
+   !> Writes blanks for the marks of lines where they are those of the first row, or where a line
+   !> holds nothing else; others become blank where only rows with the labels of the first are
+   !> wanted.
    pure subroutine strip_lines(bytes, first, last, layout)
       !> Holds lines at first:last, a line feed at last
       integer(int8), intent(inout), contiguous :: bytes(:)
@@ -53,10 +57,8 @@ contains
 
    !> The marks of a line; writes blanks for them or leaves them.
    pure subroutine find_marks(bytes, first, last, erase, marks)
-      !> Holds the line at first:last, without its end
       integer(int8), intent(inout), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> True for blanks
       logical, intent(in) :: erase
       type(marks_type), intent(out) :: marks
       integer(int64) :: p, to, i, pending
@@ -72,10 +74,12 @@ contains
          next = achar(iand(int(bytes(min(p + 1, last))), 255))
          bar = sign == "|"
          if (bar) bar = parts(bytes, p, last)
-         if (sign == ">" .and. (p == first .or. bytes(max(first, p - 1)) == iachar("-"))) then    ! ">gx:1", "->"
+         if (sign == ">" .and. (p == first .or. bytes(max(first, p - 1)) == iachar("-"))) then
+            ! ">gx:1", "->"
             fresh = p == first
          else if ((fresh .and. is_in(sign, opening)) .or. is_in(sign, closing) .or. bar) then
-            if (marks%values > 0) pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
+            if (marks%values > 0) &
+               pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p) = blank
             if (is_in(sign, closing) .and. is_in(next, quotes)) to = min(p + 1, last)
@@ -97,7 +101,8 @@ contains
             if (fresh) then
                marks%labels = marks%labels + 1
                do i = p, to
-                  if (bytes(i) /= blank) marks%skeleton = mixed(marks%skeleton, int(bytes(i), int64))
+                  if (bytes(i) /= blank) &
+                     marks%skeleton = mixed(marks%skeleton, int(bytes(i), int64))
                end do
                if (erase) bytes(p:to) = blank
             else
@@ -105,7 +110,8 @@ contains
                marks%values = marks%values + 1
                if (is_in(sign, quotes)) to = closing_quote(bytes, p, last)
             end if
-         else if (sign == "*" .and. p == last_visible(bytes, first, last) - 2 .and. any(bytes(first) == [33_int8, 36_int8])) then
+         else if (sign == "*" .and. p == last_visible(bytes, first, last) - 2 .and. &
+            any(bytes(first) == [33_int8, 36_int8])) then
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p:last) = blank
             to = last
@@ -159,7 +165,8 @@ contains
       to = min(to, last)
    end function closing_quote
 
-   !> The colon or equals sign that ends a label at p: a word, or some between blanks, before a value; 0 where there is none.
+   !> The colon or equals sign that ends a label at p: a word, or some between blanks, before a
+   !> value; 0 where there is none.
    pure integer(int64) function label_end(bytes, p, last) result(mark)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: p, last
@@ -186,8 +193,10 @@ contains
       end do
       if (from >= last .or. depth /= 0) return
       sign = achar(iand(int(bytes(from + 1)), 255))
-      if (.not. is_in(sign, "0123456789+-.nN "//quotes//opening//achar(9)) .or. last_visible(bytes, from + 1, last) == from) return
-      if (is_in(sign, "0123456789") .and. any(bytes(min(from + 2, last):min(from + 3, last)) == iachar(":"))) return
+      if (.not. is_in(sign, "0123456789+-.nN "//quotes//opening//achar(9)) .or. &
+         last_visible(bytes, from + 1, last) == from) return
+      if (is_in(sign, "0123456789") .and. &
+         any(bytes(min(from + 2, last):min(from + 3, last)) == iachar(":"))) return
       mark = from
    end function label_end
 
@@ -199,7 +208,8 @@ contains
       if (value /= 0) mixed = ieor(modulo(skeleton, 2_int64**40)*4194319_int64, value) + 1
    end function mixed
 
-   !> Names the fields of a stripped line by the labels before them, or by the names of the cells that hold arrays: "gyro[0]".
+   !> Names the fields of a stripped line by the labels before them, or by the names of the cells
+   !> that hold arrays: "gyro[0]".
    subroutine name_fields(bytes, first, fields, names, array)
       !> Holds the line at first with its marks
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -224,7 +234,8 @@ contains
       gap = bytes_text(bytes, first, fields%first(1) - 1)
       start = scan(gap, ":=", back=.true.)
       base = min(minval(depth(:n)), minval(lowest(2:n)))
-      if (start > 0) base = min(base, depth(1) - count([(is_in(gap(j:j), opening(:3)), j=start + 1, len(gap))]))
+      if (start > 0) &
+         base = min(base, depth(1) - count([(is_in(gap(j:j), opening(:3)), j=start + 1, len(gap))]))
       cell(1) = 1
       do j = 2, n
          cell(j) = cell(j - 1) + merge(1, 0, min(depth(j), lowest(j)) <= base)
@@ -236,7 +247,8 @@ contains
       do j = 1, n
          named%name(j)%text = ""
          named%unit(j)%text = ""
-         gap = bytes_text(bytes, merge(first, fields%last(max(1, j - 1)) + 1, j == 1), fields%first(j) - 1)
+         gap = bytes_text(bytes, merge(first, fields%last(max(1, j - 1)) + 1, j == 1), &
+            fields%first(j) - 1)
          call find_labels(gap, labels)
          if (j > 1) then
             if (depth(j) < depth(max(1, j - 1))) group = ""
@@ -245,7 +257,7 @@ contains
             if (maxval(cell(:n)) /= size(names%name)) return
             named%name(j)%text = names%name(cell(j))%text
             if (count(cell(:n) == cell(j)) > 1) named%name(j)%text = named%name(j)%text//"["// &
-               integer_text(int(count(cell(:j) == cell(j)) - 1, int64))//"]"
+               integer_text(count(cell(:j) == cell(j)) - 1)//"]"
             named%unit(j)%text = names%unit(cell(j))%text
          else if (size(labels) > 0) then
             labeled = .true.
@@ -254,7 +266,8 @@ contains
             call take_label(labels(size(labels))%text, depth(j) > base, j, group, named)
          else if (start > 0) then
             if (depth(j) == depth(start) .and. (cell(j) == cell(start) .or. depth(j) == base)) then
-               call take_follower(bytes_text(bytes, fields%first(j), fields%last(j)), start, j, named)
+               call take_follower(bytes_text(bytes, fields%first(j), fields%last(j)), start, j, &
+                  named)
             end if
          end if
       end do
@@ -368,7 +381,7 @@ contains
       base = named%name(start)%text
       if (j > start + 1) base = base(:index(base, "[", back=.true.) - 1)
       if (j == start + 1) named%name(start)%text = base//"[0]"
-      named%name(j)%text = base//"["//integer_text(int(j - start, int64))//"]"
+      named%name(j)%text = base//"["//integer_text(j - start)//"]"
       named%unit(j)%text = named%unit(start)%text
    end subroutine take_follower
 

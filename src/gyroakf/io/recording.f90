@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> A recording that is open: what stands above its rows is known, the rows are read as far as the memory allows.
+!> A recording that is open: what stands above its rows is known, the rows are read as far as the
+!> memory allows.
 module gyroakf_io_recording
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -11,7 +12,7 @@ module gyroakf_io_recording
    use gyroakf_io_format, only : content_type, recognise
    use gyroakf_io_lines, only : lines_type, open_lines
    use gyroakf_io_opening, only : begin_npy, begin_raw
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : check_options, reader_options
    use gyroakf_io_source, only : close_source
    use gyroakf_io_table, only : table_type
@@ -53,7 +54,6 @@ contains
    subroutine open_recording(path, options, recording, error)
       !> A path; "-" is standard input
       character(*), intent(in) :: path
-      !> How
       type(reader_options), intent(in) :: options
       !> To be closed by [[close_recording]], after a failure too
       type(recording_type), intent(out) :: recording
@@ -94,22 +94,24 @@ contains
       if (allocated(error)) return
       select case (content%kind)
       case ("npy")
-         call begin_npy(recording%lines, recording%options, recording%binary, recording%table, error)
+         call begin_npy(recording%lines, recording%options, recording%binary, recording%table, &
+            error)
          recording%format = "npy"
          recording%stored_type = trim(element_name(recording%binary%element))
          recording%expected_rows = max(0_int64, recording%binary%rows)
       case ("binary")
          call close_source(recording%lines%source)
          call begin_numbers_only(path, content%element, recording, error)
-         if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "//trim(element_word(content%element))// &
-            ", "//integer_text(recording%binary%columns)//" column"//trim(merge("s", " ", recording%binary%columns > 1))// &
-            ", as the name ."//content%ending//" says; `format` and `channels` say it")
+         if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "// &
+            trim(element_word(content%element))//", "//integer_text(recording%binary%columns)// &
+            " column"//trim(merge("s", " ", recording%binary%columns > 1))//", as the name ."// &
+            content%ending//" says; `format` and `channels` say it")
       case default
          call begin_table(recording%lines, recording%options, recording%table, error)
          if (allocated(error)) return
          recording%expected_rows = rows_by_size(recording%lines)
-         if (named_otherwise(content%ending)) call add_text(recording%table%warnings, "the name ends in ."//content%ending// &
-                                                            ", but the content is text and is read as such")
+         if (named_otherwise(content%ending)) call add_text(recording%table%warnings, &
+            "the name ends in ."//content%ending//", but the content is text and is read as such")
       end select
    end subroutine begin_rows
 
@@ -122,8 +124,8 @@ contains
 
       call check_use("binary", recording, error)
       if (allocated(error)) return
-      call begin_raw(recording%lines%source, path, recording%options, max(1_int64, recording%options%channels), element, &
-                     recording%binary, recording%table, error)
+      call begin_raw(recording%lines%source, path, recording%options, max(1_int64, &
+         recording%options%channels), element, recording%binary, recording%table, error)
       recording%format = trim(element_word(element))
       recording%stored_type = trim(element_name(element))
       recording%expected_rows = max(0_int64, recording%binary%rows)
@@ -139,25 +141,26 @@ contains
       integer :: ending
 
       associate (name => lines%source%name)
-         if (lines%filled == 0) then
-            call fatal_error(error, status%parse, name//":1:1: the file is empty"//new_line("a")// &
-                             "check what should have written it")
-            return
-         end if
+         if (lines%filled == 0) call line_error(error, name, 1_int64, "the file is empty", &
+            "check what should have written it")
+         if (allocated(error)) return
          ending = index(lower(name)//" ", ".gz ") - 1
-         call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), content)
+         call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), &
+            content)
          if (content%kind == "foreign") then
-            if (associated(lines%source%inflater)) content%advice = "decompress it first (gzip -dk), then: "//content%advice
-            call fatal_error(error, status%parse, name//":"//integer_text(1 + count(lines%bytes(:content%at) == 10, kind=int64))// &
-                             ":1: the content is not text but "//content%what//new_line("a")//content%advice)
+            if (associated(lines%source%inflater)) &
+               content%advice = "decompress it first (gzip -dk), then: "//content%advice
+            call line_error(error, name, 1 + count(lines%bytes(:content%at) == 10, kind=int64), &
+               "the content is not text but "//content%what, content%advice)
             return
          end if
-         if (asked == "auto" .or. asked == content%kind .or. (asked == "csv" .and. content%kind == "text")) return
+         if (asked == "auto" .or. asked == content%kind .or. &
+            (asked == "csv" .and. content%kind == "text")) return
          what = "text"
          if (content%kind == "npy") what = "a NumPy file"
          if (content%kind == "binary") what = "binary"
-         call fatal_error(error, status%parse, name//":1:1: the content is not "//asked//" but "//what//new_line("a")// &
-                          "leave `format` out")
+         call line_error(error, name, 1_int64, "the content is not "//asked//" but "//what, &
+            "leave `format` out")
       end associate
    end subroutine find_content
 
@@ -173,8 +176,8 @@ contains
       if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
       if (kind /= "binary" .and. recording%options%channels > 0) what = &
          "`channels` is for raw numbers"
-      if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "//what// &
-         & ", and this is "//trim(kind))
+      if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "// &
+         what//", and this is "//trim(kind))
    end subroutine check_use
 
    !> True for the ending of another format.
@@ -183,13 +186,14 @@ contains
       type(element_type) :: element
 
       call parse_element(ending, element, named_otherwise)
-      named_otherwise = named_otherwise .or. any(ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
+      named_otherwise = named_otherwise .or. &
+         any(ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
    end function named_otherwise
 
-   !> Reads all rows that are asked for, or as many as the memory allows: `table%whole`. None where the file's size alone
-   !> exceeds the memory. Without time stamps and with a known rate the rows beyond `options%to` are not read.
+   !> Reads all rows that are asked for, or as many as the memory allows: `table%whole`. None where
+   !> the file's size alone exceeds the memory. Without time stamps and with a known rate the rows
+   !> beyond `options%to` are not read.
    subroutine hold_rows(recording, error, progress)
-      !> Open
       type(recording_type), intent(inout) :: recording
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -206,7 +210,8 @@ contains
       if (recording%table%rows >= wanted .and. wanted <= most) recording%table%whole = .true.
    end subroutine hold_rows
 
-   !> Rows up to `options%to`, one more as angles are differenced; huge where that is not known before they are read.
+   !> Rows up to `options%to`, one more as angles are differenced; huge where that is not known
+   !> before they are read.
    pure subroutine count_wanted(recording, wanted)
       type(recording_type), intent(in) :: recording
       integer(int64), intent(out) :: wanted
@@ -217,22 +222,24 @@ contains
       rate = recording%options%rate_hz
       if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
       if (.not. rate > 0.0_dp) return
-      if (recording%options%to < 1.0e15_dp/rate) wanted = ceiling(recording%options%to*rate, int64) + 2
+      if (recording%options%to < 1.0e15_dp/rate) &
+         wanted = ceiling(recording%options%to*rate, int64) + 2
    end subroutine count_wanted
 
    !> Rows that fit into `options%memory`.
    pure integer(int64) function rows_within(recording, options, channels) result(rows)
-      !> Its columns are known
       type(recording_type), intent(in) :: recording
       !> Memory, and bytes per sample
       type(reader_options), intent(in) :: options
       !> Number of channels, all that are chosen if absent
       integer, intent(in), optional :: channels
 
-      rows = max(0_int64, options%memory - base_bytes)/(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
+      rows = max(0_int64, options%memory &
+         - base_bytes)/(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
    end function rows_within
 
-   !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no more (`table%whole`).
+   !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no
+   !> more (`table%whole`).
    !>
    !> The one place that reads rows, whatever the format.
    subroutine next_rows(recording, most, error, progress)
@@ -248,7 +255,8 @@ contains
       if (recording%format == "text") then
          call read_rows(recording%lines, most, recording%table, error, progress)
       else
-         call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, error, progress)
+         call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, &
+            error, progress)
       end if
    end subroutine next_rows
 
@@ -268,14 +276,13 @@ contains
       rows = 0
       if (lines%source%length <= 0 .or. lines%last < lines%at) return
       count_lines = count(lines%bytes(lines%at:lines%last) == 10, kind=int64)
-      rows = int(real(lines%source%length, dp)*real(count_lines, dp)/real(lines%last - lines%at + 1, dp), int64)
+      rows = int(real(lines%source%length, dp)*real(count_lines, &
+         dp)/real(lines%last - lines%at + 1, dp), int64)
    end function rows_by_size
 
    !> Bytes that the process needs to hold so many rows and work on them.
    pure integer(int64) function bytes_needed(recording, rows, options, channels) result(bytes)
-      !> Its columns are known
       type(recording_type), intent(in) :: recording
-      !> Number of rows
       integer(int64), intent(in) :: rows
       !> Bytes per sample of the job
       type(reader_options), intent(in) :: options
@@ -294,9 +301,7 @@ contains
 
    !> "FILE: about 12000000 rows need 276 MB (276000000 bytes), 100 MB of memory are allowed".
    subroutine say_too_large(recording, text)
-      !> Not whole
       type(recording_type), intent(in) :: recording
-      !> The first line of a message
       character(:), allocatable, intent(out) :: text
       integer(int64) :: rows, bytes
 
@@ -307,9 +312,9 @@ contains
          text = "more than "//integer_text(rows)//" rows need more than "
       end if
       bytes = bytes_needed(recording, rows, recording%options)
-      text = recording%table%name//": "//text//bytes_text(bytes)//" ("//integer_text(bytes)//" bytes), "// &
-             bytes_text(recording%options%memory)//" of memory are "// &
-             trim(merge("free   ", "allowed", recording%options%memory_found))
+      text = recording%table%name//": "//text//bytes_text(bytes)//" ("//integer_text(bytes)// &
+         " bytes), "//bytes_text(recording%options%memory)//" of memory are "// &
+         trim(merge("free   ", "allowed", recording%options%memory_found))
    end subroutine say_too_large
 
    !> A size in GB or MB, as [[bytes_text]] says it.
@@ -321,7 +326,6 @@ contains
 
    !> "276 MB".
    pure function bytes_text(bytes) result(text)
-      !> How many
       integer(int64), intent(in) :: bytes
       character(real_length(in_unit(bytes), 3) + 3) :: text
 

@@ -1,7 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> Rows of numbers: the fast way through the lines that hold numbers only; [[gyroakf_io_row]] is the careful way through the rest.
+!> Rows of numbers: the fast way through the lines that hold numbers only; [[gyroakf_io_row]] is the
+!> careful way through the rest.
 !>
-!> Both work on a block of whole lines and know nothing of files, so that blocks can be given to several threads.
+!> Both work on a block of whole lines and know nothing of files, so that blocks can be given to
+!> several threads.
 module gyroakf_io_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
@@ -18,7 +20,8 @@ module gyroakf_io_rows
    !> Bytes of a word that may stand for a missing number, and the bytes behind a field
    integer(int64), parameter :: longest_word = 11
    integer(int8), parameter :: ends(6) = [9_int8, 10_int8, 13_int8, 32_int8, 44_int8, 59_int8]
-   integer(int8), parameter :: tab = 9, line_feed = 10, carriage_return = 13, blank = 32, comma = 44, semicolon = 59
+   integer(int8), parameter :: tab = 9, line_feed = 10, carriage_return = 13, blank = 32, &
+      comma = 44, semicolon = 59
 
 contains
 
@@ -28,9 +31,7 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of a line; afterwards that of the first line that was not read
       integer(int64), intent(inout) :: at
-      !> The last line feed
       integer(int64), intent(in) :: last
-      !> The columns
       type(layout_type), intent(in) :: layout
       !> [row, stored column]
       real(dp), intent(inout), contiguous :: value(:, :)
@@ -45,7 +46,8 @@ contains
 
       odd = .false.
       stamped = any(layout%kind /= stamp_kind%number)
-      if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) call parse_column(bytes, at, last, value(:, 1), rows)
+      if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) &
+         call parse_column(bytes, at, last, value(:, 1), rows)
       capacity = size(value, 1, kind=int64)
       do while (at <= last .and. rows < capacity)
          p = at
@@ -150,7 +152,8 @@ contains
       row(slot) = x
    end subroutine scan_time
 
-   !> NaN for a field before a comma that is empty, and for a word that stands for a missing number; odd where it is neither.
+   !> NaN for a field before a comma that is empty, and for a word that stands for a missing number;
+   !> odd where it is neither.
    pure subroutine scan_missing(bytes, p, value, odd)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
@@ -176,11 +179,12 @@ contains
       integer(int64), intent(in) :: first, behind
 
       is_nan = behind == first + 3
-      if (is_nan) is_nan = ior(int(bytes(first)), 32) == 110 .and. ior(int(bytes(first + 1)), 32) == 97 &
-                           .and. ior(int(bytes(first + 2)), 32) == 110
+      if (is_nan) is_nan = ior(int(bytes(first)), 32) == 110 .and. &
+         ior(int(bytes(first + 1)), 32) == 97 .and. ior(int(bytes(first + 2)), 32) == 110
    end function is_nan
 
-   !> Moves behind a field that is not wanted; odd where it is empty, quoted or the start of a comment.
+   !> Moves behind a field that is not wanted; odd where it is empty, quoted or the start of a
+   !> comment.
    pure subroutine skip_field(bytes, p, odd)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p

@@ -1,16 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> Some whole lines of a table, read into rows of their own: what a thread does.
 !>
-!> Nothing here builds a text or keeps a state, so that any number of spans can be read at a time; what is wrong with a line is
-!> said by who puts the spans together, for the first in the order of the file only.
+!> Nothing here builds a text or keeps a state, so that any number of spans can be read at a time;
+!> what is wrong with a line is said by who puts the spans together, for the first in the order of
+!> the file only.
 module gyroakf_io_span
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_selection, only : is_wanted
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
-   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_no_row, last_visible, line_end_from, &
-      line_feed_from
+   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_no_row, &
+      last_visible, line_end_from, line_feed_from
    implicit none (type, external)
    private
    public :: span_type, read_span
@@ -19,11 +20,13 @@ module gyroakf_io_span
    type :: tally_type
       !> Rows that were read, lines that were left behind
       integer(int64) :: rows = 0, lines = 0
-      !> Lines that could not be read and count as missing, and the first of them, counted from the start of the span
+      !> Lines that could not be read and count as missing, and the first of them, counted from the
+      !> start of the span
       integer(int64) :: bad_lines = 0, first_bad_line = 0
       !> Lines that repeat the names of the columns, and the first of them
       integer(int64) :: headings = 0, first_heading = 0
-      !> First byte of a line that could not be read, where nothing behind it was read; 0 where there is none
+      !> First byte of a line that could not be read, where nothing behind it was read; 0 where
+      !> there is none
       integer(int64) :: problem_at = 0
       !> True where there was no memory for the rows
       logical :: no_memory = .false.
@@ -51,7 +54,6 @@ contains
    subroutine read_span(bytes, layout, span)
       !> Holds the lines, and more bytes behind them
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> The columns
       type(layout_type), intent(in) :: layout
       !> `first` and `last` tell the lines; the rest is filled
       type(span_type), intent(inout) :: span
@@ -98,7 +100,8 @@ contains
       end do
    end subroutine skip_unwanted
 
-   !> Reserves at least one row more: estimated from the length of the lines at first, then from the rows so far.
+   !> Reserves at least one row more: estimated from the length of the lines at first, then from the
+   !> rows so far.
    pure subroutine reserve_rows(layout, at, span)
       type(layout_type), intent(in) :: layout
       integer(int64), intent(in) :: at
@@ -140,7 +143,8 @@ contains
          if (span%headings == 0) span%first_heading = span%lines + 1
          span%headings = span%headings + 1
          no_row = .true.
-      else if (.not. no_row .or. (layout%semicolons .and. begins_with_semicolon(bytes, at, last))) then
+      else if (.not. no_row .or. &
+         (layout%semicolons .and. begins_with_semicolon(bytes, at, last))) then
          call read_row(bytes, at, last, layout, span%fields, span%row, problem, .false.)
          no_row = no_row .and. problem%found
       end if
@@ -163,7 +167,8 @@ contains
       span%lines = span%lines + 1
    end subroutine take_odd_line
 
-   !> True for a line that repeats the names of the columns, as in files that were put behind one another.
+   !> True for a line that repeats the names of the columns, as in files that were put behind one
+   !> another.
    pure logical function is_heading(bytes, first, last, layout)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last

@@ -1,5 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Lines of text taken apart: fields between blanks, tabs, commas and semicolons in any mix, comments, quotes.
+!> Lines of text taken apart: fields between blanks, tabs, commas and semicolons in any mix,
+!> comments, quotes.
+!>
+!> Here and in the other modules of text a line is `bytes(first:last)`, without its end.
 module gyroakf_io_text
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
@@ -32,14 +35,14 @@ module gyroakf_io_text
       integer(int64) :: open_quote = 0
    end type fields_type
 
-   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, hash = 35, percent = 37, apostrophe = 39
+   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, hash = 35, percent = 37, &
+      apostrophe = 39
    integer(int8), parameter :: comma = 44, slash = 47, semicolon = 59, carriage_return = 13
 
 contains
 
    !> Splits a line. A `#`, `%` or `//` at the start of a field ends the line.
    pure subroutine split_line(bytes, first, last, way, fields)
-      !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       !> One of the components of [[gyroakf_io_text:split]]
@@ -72,7 +75,6 @@ contains
 
    !> True where a line has a field for each of so many columns; a separator may follow.
    pure logical function has_fields(fields, columns)
-      !> Of the line
       type(fields_type), intent(in) :: fields
       integer, intent(in) :: columns
 
@@ -87,7 +89,8 @@ contains
       integer(int64), intent(inout) :: p
 
       do while (p <= last)
-         if (bytes(p) /= blank .and. bytes(p) /= carriage_return .and. (bytes(p) /= tab .or. way /= split%mixed)) exit
+         if (bytes(p) /= blank .and. bytes(p) /= carriage_return .and. &
+            (bytes(p) /= tab .or. way /= split%mixed)) exit
          p = p + 1
       end do
    end subroutine skip_blanks
@@ -126,7 +129,8 @@ contains
       end if
       do while (p <= last)
          if (separates(bytes(p), way)) exit
-         if (way /= split%names .and. (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return)) exit
+         if (way /= split%names .and. &
+            (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return)) exit
          p = p + 1
       end do
       to = last_visible(bytes, from, p - 1)
@@ -161,7 +165,6 @@ contains
 
    !> True for a line that is no row: it is blank or begins with `#`, `%`, `;` or `//`.
    pure logical function is_no_row(bytes, first, last)
-      !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p
@@ -171,9 +174,9 @@ contains
       if (.not. is_no_row) is_no_row = bytes(p) == semicolon .or. comment_at(bytes, p, last)
    end function is_no_row
 
-   !> True for a line that begins with `;`: a comment, or a row whose first field is empty where semicolons part the columns.
+   !> True for a line that begins with `;`: a comment, or a row whose first field is empty where
+   !> semicolons part the columns.
    pure logical function begins_with_semicolon(bytes, first, last)
-      !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p
@@ -185,7 +188,6 @@ contains
 
    !> First byte in first:last that is not blank; last + 1 where all are.
    pure integer(int64) function first_visible(bytes, first, last)
-      !> The text
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 
@@ -198,7 +200,6 @@ contains
 
    !> Last byte in first:last that is not blank; first - 1 where all are.
    pure integer(int64) function last_visible(bytes, first, last)
-      !> The text
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 
@@ -211,7 +212,6 @@ contains
 
    !> The first line feed from a byte on.
    pure integer(int64) function line_feed_from(bytes, at) result(feed)
-      !> Has one
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
 
@@ -223,7 +223,6 @@ contains
 
    !> The last byte of the line at a byte, without its end (line feed, carriage return).
    pure integer(int64) function line_end_from(bytes, at) result(last)
-      !> Has a line feed from there on
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
 
@@ -234,7 +233,6 @@ contains
 
    !> Bytes as a character string.
    pure function bytes_text(bytes, first, last) result(text)
-      !> The text at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(max(0_int64, last - first + 1)) :: text
@@ -247,7 +245,6 @@ contains
 
    !> A character string as bytes; those above 127 become negative.
    pure function text_bytes(text) result(bytes)
-      !> Any text
       character(*), intent(in) :: text
       integer(int8) :: bytes(len(text))
       integer :: i

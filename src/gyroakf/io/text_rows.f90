@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> The rows of a table in text, read into its store by several threads.
 !>
-!> A block of the file is cut into pieces of equal length. Each thread reads a piece of a regular file into its place, and the whole
-!> lines within it; then the lines that lie on the borders are read; then the rows of all these spans are joined in their order.
-!> What is read does not depend on the number of threads, nor on where the pieces are cut.
+!> A block of the file is cut into pieces of equal length. Each thread reads a piece of a regular
+!> file into its place, and the whole lines within it; then the lines that lie on the borders are
+!> read; then the rows of all these spans are joined in their order. What is read does not depend on
+!> the number of threads, nor on where the pieces are cut.
 module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_commas, only : make_points
-   use gyroakf_io_lines, only : check_length, end_last_line, lines_type, reserve_bytes, map_row, turn_returns
+   use gyroakf_io_lines, only : check_length, end_last_line, lines_type, reserve_bytes, map_row, &
+      turn_returns
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
@@ -23,7 +25,8 @@ module gyroakf_io_text_rows
    private
    public :: read_rows
 
-   !> Bytes of a piece: text and numbers stay in a core's cache. Bytes of a block at most: pieces for 32 threads
+   !> Bytes of a piece: text and numbers stay in a core's cache. Bytes of a block at most: pieces
+   !> for 32 threads
    integer(int64), parameter :: piece_size = 131072, block_size = 32*piece_size
    !> Bytes that a file may have grown by within a line, see [[end_last_line]]
    integer(int64), parameter :: reserve = 4096
@@ -45,7 +48,6 @@ contains
 
    !> Reads rows into the store until it has as many as wanted, or a few more, or there are no more.
    subroutine read_rows(lines, most, table, error, progress)
-      !> Of [[begin_table]]
       type(lines_type), intent(inout) :: lines
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
@@ -61,7 +63,8 @@ contains
       do
          missing = most - count_rows(table%store)
          if (missing <= 0) return
-         call report_progress("reading", lines%source%delivered, lines%source%length, error, progress)
+         call report_progress("reading", lines%source%delivered, lines%source%length, error, &
+            progress)
          if (allocated(error)) return
          table%whole = lines%ended .and. lines%at > lines%filled
          if (table%whole) return
@@ -104,7 +107,8 @@ contains
          block%first = lines%filled + 1
          block%by_pieces = has_places(lines%source)
          if (.not. block%by_pieces) then
-            call read_block(lines%source, lines%bytes(block%first:lines%filled + wanted), got, error)
+            call read_block(lines%source, lines%bytes(block%first:lines%filled + wanted), got, &
+               error)
             if (allocated(error)) return
             lines%filled = lines%filled + got
             lines%ended = got < wanted
@@ -143,8 +147,8 @@ contains
          first = block%first + (k - 1)*piece_size
          last = min(first + piece_size - 1, block%last)
          if (block%by_pieces) then
-            call read_piece(lines%source, block%offset + first - block%first, lines%bytes(first:last), block%span(2*k)%got, &
-                            block%span(2*k)%failed)
+            call read_piece(lines%source, block%offset + first - block%first, &
+               lines%bytes(first:last), block%span(2*k)%got, block%span(2*k)%failed)
             last = first - 1 + block%span(2*k)%got
          end if
          if (lines%only_returns) call turn_returns(lines%bytes(first:last))
@@ -161,12 +165,13 @@ contains
       type(span_type), intent(inout) :: span
 
       if (layout%marked) call strip_lines(bytes, span%first, span%last, layout)
-      if (layout%commas /= 0 .and. span%last >= span%first) call make_points(bytes, span%first, span%last, layout%commas)
+      if (layout%commas /= 0 .and. span%last >= span%first) &
+         call make_points(bytes, span%first, span%last, layout%commas)
       call read_span(bytes, layout, span)
    end subroutine read_lines
 
-   !> The lines behind the first line feed of a piece; the last ones are left out where they are nearer to its end than
-   !> the search for digits looks ahead.
+   !> The lines behind the first line feed of a piece; the last ones are left out where they are
+   !> nearer to its end than the search for digits looks ahead.
    pure subroutine find_lines(bytes, first, last, from, to)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -192,10 +197,9 @@ contains
 
       got = 0
       do k = 1, block%pieces
-         if (block%span(2*k)%failed) then
+         if (block%span(2*k)%failed) &
             call fatal_error(error, status%io, lines%source%name//": cannot be read")
-            return
-         end if
+         if (allocated(error)) return
          got = got + block%span(2*k)%got
          if (block%span(2*k)%got < piece_size) exit
       end do
@@ -208,7 +212,8 @@ contains
       if (lines%ended) call end_last_line(lines, error)
    end subroutine take_bytes
 
-   !> Reads the lines between those that the pieces hold; none is left but what may be the start of a line.
+   !> Reads the lines between those that the pieces hold; none is left but what may be the start of
+   !> a line.
    subroutine read_borders(lines, table, block)
       type(lines_type), intent(inout) :: lines
       type(table_type), intent(in) :: table
@@ -242,7 +247,8 @@ contains
       lines%last = feed
    end subroutine read_borders
 
-   !> Puts the rows of the spans behind those of the store, up to the first line that cannot be read.
+   !> Puts the rows of the spans behind those of the store, up to the first line that cannot be
+   !> read.
    subroutine join_spans(lines, missing, table, block, error)
       type(lines_type), intent(inout) :: lines
       integer(int64), intent(in) :: missing
@@ -259,11 +265,14 @@ contains
             before(k) = rows
             rows = rows + span%rows
             do i = 1, span%map%count
-               call map_row(table%map, table%rows + span%map%row(i), lines%number - 1 + span%map%line(i))
+               call map_row(table%map, table%rows + span%map%row(i), &
+                  lines%number - 1 + span%map%line(i))
             end do
-            if (table%bad_lines == 0 .and. span%bad_lines > 0) table%first_bad_line = lines%number - 1 + span%first_bad_line
+            if (table%bad_lines == 0 .and. span%bad_lines > 0) &
+               table%first_bad_line = lines%number - 1 + span%first_bad_line
             table%bad_lines = table%bad_lines + span%bad_lines
-            if (table%headings == 0 .and. span%headings > 0) table%first_heading = lines%number - 1 + span%first_heading
+            if (table%headings == 0 .and. span%headings > 0) &
+               table%first_heading = lines%number - 1 + span%first_heading
             table%headings = table%headings + span%headings
             table%rows = table%rows + span%rows
             lines%number = lines%number + span%lines
@@ -275,11 +284,11 @@ contains
          end associate
       end do
       if (rows == 0 .and. failed == 0) return
-      if (failed == 0) call next_chunk(table%store, table%layout%stored, failed, rows, expected_rows(lines, table, rows, missing))
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(table%rows)//" rows")
-         return
-      end if
+      if (failed == 0) call next_chunk(table%store, table%layout%stored, failed, rows, &
+         expected_rows(lines, table, rows, missing))
+      if (failed /= 0) call fatal_error(error, status%no_memory, table%name// &
+         ": no memory for more than "//integer_text(table%rows)//" rows")
+      if (allocated(error)) return
       associate (chunk => table%store%chunk(table%store%count))
          !$omp parallel do schedule(dynamic) if(block%pieces > 1)
          do k = 1, 2*block%pieces + 1
@@ -311,7 +320,8 @@ contains
 
       expected = table%rows
       if (has_places(lines%source)) then
-         left = real(source_left(lines%source), dp)*real(table%rows, dp)/real(max(lines%source%delivered, 1_int64), dp)
+         left = real(source_left(lines%source), dp)*real(table%rows, &
+            dp)/real(max(lines%source%delivered, 1_int64), dp)
          expected = rows + int(1.02_dp*left, int64) + 64
       end if
       if (missing < expected) expected = max(rows, missing + missing/4)
@@ -333,7 +343,8 @@ contains
       lines%at = at
       last = line_end_from(lines%bytes, at)
       call read_row(lines%bytes, at, last, table%layout, fields, row, problem, .true.)
-      call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, problem%what, problem%advice)
+      call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, &
+         problem%what, problem%advice)
    end subroutine explain_problem
 
 end module gyroakf_io_text_rows
