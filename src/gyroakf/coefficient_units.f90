@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Units of the noise coefficients, and what these are coefficients of.
 !>
-!> The library computes in the unit of its input; this module alone converts, once, where a result
-!> is stated.
+!> The library computes in the unit of its input; this module alone converts, where a result is
+!> stated.
 module gyroakf_coefficient_units
    use gyroakf_kinds, only : dp
    use gyroakf_units, only : quantity, standard_gravity, unit_type
@@ -38,8 +38,7 @@ contains
       definition_length = len_trim(definitions(max(1, min(term, size(definitions)))))
    end function definition_length
 
-   !> What a coefficient is the coefficient of: the convention that its number has. The same in all
-   !> units.
+   !> What a coefficient is the coefficient of: the convention of its number, in all units.
    pure function coefficient_definition(term) result(text)
       !> 1 to 5 for Q N B K R
       integer, intent(in) :: term
@@ -96,8 +95,8 @@ contains
       end if
    end function coefficient_unit
 
-   !> What N is stated in as a density: deg/s/sqrt(Hz), ug/sqrt(Hz), otherwise the input's own unit
-   !> per root of a hertz.
+   !> What N is stated in as a density: deg/s/sqrt(Hz), ug/sqrt(Hz), else the input's unit per root
+   !> of a hertz.
    pure function density_unit(unit) result(u)
       type(unit_type), intent(in) :: unit
       type(coefficient_unit_type) :: u

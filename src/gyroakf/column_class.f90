@@ -155,9 +155,8 @@ contains
       is_angle = has_beginning(word, "ang roll pitc yaw head azim atti eule phi psi thet")
    end function is_angle
 
-   !> The unit of a column's values: what stood in brackets, else the last words of its name, before
-   !> an axis or an index: gz_dps, gyro_x_rad_s, wx_deg_per_s, accelerometer_m_s2[0]; unknown where
-   !> these are none.
+   !> The unit of a column's values: what stood in brackets, else the last words of the name before
+   !> an axis: gz_dps, gyro_x_rad_s, wx_deg_per_s, accelerometer_m_s2[0].
    pure subroutine find_unit(name, unit, found)
       character(*), intent(in) :: name, unit
       type(unit_type), intent(out) :: found
@@ -234,8 +233,7 @@ contains
          is_temperature_unit(word) .or. is_one_of(word, magnetic_units//" "//other_units)
    end function is_unit
 
-   !> True where a unit may be that of a class: where the class is not known, or its quantity is the
-   !> same.
+   !> True where a unit may be that of a class: the class is not known, or its quantity is the same.
    pure logical function unit_fits(class, unit)
       !> One of the components of [[gyroakf_column_class:column_class]]
       integer, intent(in) :: class

@@ -190,8 +190,7 @@ contains
                             .or. any([character(5) :: "deg c", degree//" c"] == lower(unit))
    end function is_temperature_unit
 
-   !> True for a name that means a count of rows: counter, count, seq, index, sample, frame,
-   !> packet_id, ...
+   !> True for a name that means a count of rows: counter, seq, index, sample, packet_id, ...
    pure logical function is_counter_name(name)
       character(*), intent(in) :: name
       type(text_type), allocatable :: word(:)

@@ -42,8 +42,7 @@ contains
 
    !> Index of the known word that is nearest to a misspelt one, 0 where none is near.
    !>
-   !> Near means: at most a third of the longer word's letters (and at least one) have to be
-   !> changed.
+   !> Near: at most a third of the longer word's letters, or one, have to be changed.
    pure integer function nearest_word(word, known)
       !> The misspelt word; case does not matter
       character(*), intent(in) :: word

@@ -27,8 +27,7 @@ module gyroakf_unit_spelling
 
 contains
 
-   !> The text in lower case without blanks, brackets and signs that are not ASCII, with `/s` for
-   !> `per s` and `s^-1`.
+   !> Lower case, no blanks, brackets or signs beyond ASCII, `/s` for `per s` and `s^-1`.
    pure subroutine make_plain(plain)
       character(:), allocatable, intent(inout) :: plain
       character(*), parameter :: dropped = " _[]()"//achar(9)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Units of rates, angles and accelerations. All factors are one correctly rounded division away
-!> from exact numbers.
+!> Units of rates, angles and accelerations. Factors are exact, or one rounded division of exact
+!> numbers.
 module gyroakf_units
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
@@ -11,8 +11,7 @@ module gyroakf_units
    public :: unit_type, quantity, term_names, standard_gravity
    public :: parse_unit, parse_units, time_scale, is_integral, angle_to_rate_unit
 
-   !> The order of the five terms everywhere: quantisation, angle random walk, bias instability,
-   !> rate random walk, ramp
+   !> The five terms: quantization, angle random walk, bias instability, rate random walk, ramp
    character(1), parameter :: term_names(5) = ["Q", "N", "B", "K", "R"]
 
    !> What a unit measures, reached as `quantity%angular_rate`

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Characters in a row of bytes: how many there are, whether they are UTF-8 at all, and UTF-8 made
-!> of what is not.
+!> Characters in a row of bytes: how many there are, whether they are UTF-8, UTF-8 made of what is
+!> not.
 module gyroakf_utf8
    implicit none (type, external)
    private
@@ -26,8 +26,8 @@ contains
       is_continuation = iand(ichar(byte), 192) == 128
    end function is_continuation
 
-   !> Bytes of the UTF-8 sequence that text begins with; 0 where it is not one (also overlong,
-   !> surrogate, above U+10FFFF).
+   !> Bytes of the UTF-8 sequence that text begins with; 0 where it is none (overlong, surrogate,
+   !> ...).
    pure integer function sequence_length(text)
       character(*), intent(in) :: text
       integer :: lead, second, i
@@ -52,8 +52,7 @@ contains
       if (lead == 244 .and. second > 143) sequence_length = 0
    end function sequence_length
 
-   !> Makes text that can be shown: control characters become question marks, and what is not UTF-8
-   !> is taken as Latin-1.
+   !> Makes text that can be shown: `?` for control characters, Latin-1 where it is not UTF-8.
    pure subroutine make_readable(text, lines)
       !> Any bytes; afterwards UTF-8 without control characters
       character(:), allocatable, intent(inout) :: text

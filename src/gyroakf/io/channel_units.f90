@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The units of a record's channels: from an option, else from the header, else from the names of
-!> the columns.
+!> The units of a record's channels: from an option, else the header, else the names of columns.
 !>
 !> One unit for all is the usual case; a file with gyroscopes and accelerometers has several.
 module gyroakf_io_channel_units
@@ -19,8 +18,7 @@ contains
 
    !> Fills the record's unit, or its channels' where they differ, and who gave them.
    subroutine set_units(given, input, table, record, error)
-      !> From an option: one unit, or one for each channel separated by commas; "" where there is
-      !> none
+      !> From an option: one unit, or one for each channel separated by commas; "" for none
       character(*), intent(in) :: given
       !> "rate", "increment" or "angle"
       character(*), intent(in) :: input
@@ -52,8 +50,18 @@ contains
          call check_quantity(unit(j), input, record, error)
          if (allocated(error) .or. record%unit_source == "none") return
       end do
-      if (all(unit%quantity == quantity%unknown)) record%unit_source = "none"
-      if (record%unit_source /= "none") call keep_units(unit, record)
+      if (all(unit%quantity == quantity%unknown)) then
+         record%unit_source = "none"
+         return
+      end if
+      do j = 1, size(unit)
+         if (unit(j)%quantity == quantity%unknown) unit(j)%name = ""
+      end do
+      if (all([(unit(j)%name == unit(1)%name, j=2, size(unit))])) then
+         record%unit = unit(1)
+      else
+         call move_alloc(unit, record%channel_unit)
+      end if
    end subroutine set_units
 
    !> Class of the column that a channel was; unknown where it was an array of the caller.
@@ -74,50 +82,39 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: list(:)
       character(:), allocatable :: names
-      logical :: reached
-      integer :: j
+      logical, allocatable :: fits(:)
+      integer :: j, refused
 
       call parse_units(given, list, error)
       if (allocated(error)) return
-      if (size(list) == 1 .or. size(list) == size(unit)) then
-         reached = .false.
-         do j = 1, size(unit)
-            if (unit_fits(class_of_channel(table, j), list(min(j, size(list))))) then
-               unit(j) = list(min(j, size(list)))
-               reached = .true.
-            else if (size(list) > 1) then
-               call refuse_unit(list(j), table, j, record, error)
-               return
-            end if
+      if (size(list) > 1 .and. size(list) /= size(unit)) then
+         names = ""
+         do j = 1, min(size(unit), 12)
+            names = names//" "//record%channel(j)%text
          end do
-         if (.not. reached) call refuse_unit(list(1), table, 1, record, error)
+         if (size(unit) > 12) names = names//" ..."
+         call fatal_error(error, status%invalid_argument, "`unit` names "// &
+            integer_text(size(list))//" units, but the number of channels is "// &
+            integer_text(size(unit))//" ("//names(2:)// &
+            "): give one unit for all of them, or one for each")
          return
       end if
-      names = ""
-      do j = 1, min(size(unit), 12)
-         names = names//" "//record%channel(j)%text
+      fits = [(unit_fits(class_of_channel(table, j), list(min(j, size(list)))), j=1, size(unit))]
+      refused = findloc(fits, .false., dim=1)
+      if (size(list) == 1 .and. any(fits)) refused = 0
+      if (refused > 0) then
+         call fatal_error(error, status%invalid_argument, "the unit "//list(refused)%name// &
+            " does not fit '"//record%channel(refused)%text//"', by its name or unit in the file "// &
+            "a column of class "//trim(class_names(class_of_channel(table, refused)))// &
+            ": give `columns` or another `unit`")
+         return
+      end if
+      do j = 1, size(unit)
+         if (fits(j)) unit(j) = list(min(j, size(list)))
       end do
-      if (size(unit) > 12) names = names//" ..."
-      call fatal_error(error, status%invalid_argument, "`unit` names "//integer_text(size(list))// &
-         " units, but the number of channels is "//integer_text(size(unit))//" ("//names(2:)// &
-         "): give one unit for all of them, or one for each")
    end subroutine units_of_option
 
-   !> The error for a unit of another quantity than the column's.
-   subroutine refuse_unit(unit, table, j, record, error)
-      type(unit_type), intent(in) :: unit
-      type(table_type), intent(in) :: table
-      integer, intent(in) :: j
-      type(record_type), intent(in) :: record
-      type(error_type), allocatable, intent(out) :: error
-
-      call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" does not fit '"// &
-         record%channel(j)%text//"', by its name or unit in the file a column of class "// &
-         trim(class_names(class_of_channel(table, j)))//": give `columns` or another `unit`")
-   end subroutine refuse_unit
-
-   !> The header's unit, or its list of units: one for each column of the file, with or without the
-   !> time's.
+   !> The header's unit, or its list of units: one for each column, with or without the time's.
    subroutine units_of_header(table, record, unit)
       type(table_type), intent(in) :: table
       type(record_type), intent(inout) :: record
@@ -145,7 +142,6 @@ contains
          column = table%chosen(j)
          if (listed < table%layout%columns .and. table%time < column) column = column - 1
          call parse_unit(table%header%units(column)%text, unit(j), failed)
-         if (allocated(failed)) unit(j) = unit_type()
       end do
    end subroutine units_of_header
 
@@ -167,8 +163,7 @@ contains
       end do
    end subroutine units_of_names
 
-   !> Angles and rates are not taken for each other: an error where an option says so, a warning
-   !> where the file does.
+   !> A unit of the other kind, angle or rate: an error from an option, a warning from the file.
    subroutine check_quantity(unit, input, record, error)
       type(unit_type), intent(in) :: unit
       character(*), intent(in) :: input
@@ -193,22 +188,5 @@ contains
             ": give `input` increment or `input` angle, or the unit of a rate")
       end if
    end subroutine check_quantity
-
-   !> One unit where all channels have the same, else a list.
-   subroutine keep_units(unit, record)
-      type(unit_type), intent(inout) :: unit(:)
-      type(record_type), intent(inout) :: record
-      integer :: j
-
-      do j = 1, size(unit)
-         if (unit(j)%quantity == quantity%unknown) unit(j)%name = ""
-      end do
-      if (all([(unit(j)%name == unit(1)%name, j=2, size(unit))])) then
-         record%unit = unit(1)
-      else
-         allocate (record%channel_unit(size(unit)))
-         record%channel_unit(:) = unit
-      end if
-   end subroutine keep_units
 
 end module gyroakf_io_channel_units

@@ -23,8 +23,7 @@ module gyroakf_io_column_behavior
 
 contains
 
-   !> Takes the first column that behaves like a time for the time where there is none, and finds
-   !> counters by what they do.
+   !> Takes the first column that behaves like a time for it where there is none; finds counters.
    subroutine find_time_and_counters(table, time_known, input, keep, warnings)
       !> Its rows are read, its columns were not asked for; `time` and `class` may be set
       type(table_type), intent(inout) :: table
@@ -86,8 +85,7 @@ contains
                     integer_text(table%chosen(1))//" takes it for the time")
    end subroutine find_time_and_counters
 
-   !> What a column does; a column that falls otherwise than by starting again is left after a few
-   !> rows.
+   !> What a column does; one that falls otherwise than by starting again is left after a few rows.
    pure integer function behavior_of(store, column, named_counter) result(found)
       type(store_type), intent(in) :: store
       integer, intent(in) :: column

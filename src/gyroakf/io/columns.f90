@@ -35,8 +35,7 @@ module gyroakf_io_columns
 
 contains
 
-   !> Names from a line: between commas, semicolons and tabs where there are any, else between
-   !> blanks.
+   !> Names from a line: between commas, semicolons and tabs if there are any, else between blanks.
    subroutine read_names(bytes, first, last, line, names)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -89,8 +88,7 @@ contains
       end associate
    end subroutine keep_apart
 
-   !> Names of one line from two: a group above the columns and the column in it, "gyro" and "x", or
-   !> the line that says more.
+   !> Names of one line from two: a group above its columns, "gyro" above "x", or what says more.
    pure subroutine join_names(above, names)
       !> As many as the names; empty where the group of the column before goes on
       type(column_names_type), intent(in) :: above
@@ -251,8 +249,7 @@ contains
       end if
    end function label_of
 
-   !> Refuses names that several columns have, unless the columns were asked for by number: they get
-   !> their number then.
+   !> Refuses equal names, unless columns were asked for by number: the names get theirs then.
    subroutine refuse_equal_names(file, names, error, columns)
       character(*), intent(in) :: file
       type(column_names_type), intent(inout) :: names

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What the commas of a table are: separators, or decimal commas in every number or in the seconds
-!> of dates alone.
+!> What the commas of a table are: separators, decimal commas, or those of seconds in dates alone.
 module gyroakf_io_commas
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type
@@ -22,8 +21,7 @@ module gyroakf_io_commas
       "this looks like a decimal comma, and a comma separates columns"
    character(*), parameter :: comma_advice = "write decimal points"
 
-   !> What commas are where they do not part columns: all are decimal commas, or those behind the
-   !> seconds of a time of day
+   !> What commas are where they do not part columns: all decimal commas, or those behind seconds
    integer, parameter :: decimal_commas = 1, seconds_commas = 2
 
    !> So many lines at the start are looked at for decimal commas
@@ -106,8 +104,7 @@ contains
    !>
    !> It is recognised in a line without decimal points where each comma stands between two digits
    !> and either other separators part fields of one comma at most (`1,5;2,3`), or the line has one
-   !> comma with a leading zero behind it (`1,05`) or `-0` before it. A comma in a time of day
-   !> (`12:00:00,5`) is none.
+   !> comma with a leading zero behind it (`1,05`) or `-0` before it. `12:00:00,5` has none.
    pure integer(int64) function decimal_comma(bytes, first, last) result(at)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -158,9 +155,8 @@ contains
          last_visible(bytes, first, last))//" "
    end subroutine take_visible
 
-   !> The first comma of a line, 0 where there is none, -1 where one is no decimal comma or a point
-   !> is a decimal point; and the end of the last word with a comma and a colon, 0 where there is
-   !> none.
+   !> The first comma of a line, 0 for none, -1 where one is no decimal comma or a point is a
+   !> decimal point; and the end of the last word with a comma and a colon, 0 for none.
    pure subroutine find_commas(text, comma_at, clock)
       character(*), intent(in) :: text
       integer, intent(out) :: comma_at, clock
@@ -180,9 +176,8 @@ contains
       end do
    end subroutine find_commas
 
-   !> The comma of a word, 0 where there is none; -1 where it is not the only one, not between two
-   !> digits, or beside points, and where points stand that are not those of a date or a time of
-   !> day.
+   !> The comma of a word, 0 for none; -1 where it is not the only one, not between two digits, or
+   !> beside points, and where points are not those of a date or a time of day.
    pure integer function comma_of(word) result(at)
       character(*), intent(in) :: word
       integer :: i, points

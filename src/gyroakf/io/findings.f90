@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What the user should know of a recording: what each column measures, its range, what is done with
-!> it; what is odd, in words.
+!> What the user should know of a recording: what each column measures, its range; what is odd, in
+!> words.
 module gyroakf_io_findings
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
@@ -52,8 +52,7 @@ contains
          " as missing; the first is line "//integer_text(table%first_bad_line))
    end subroutine tell
 
-   !> Double steps at even distances: two sample rates, one of them with lost samples, explain the
-   !> stamps.
+   !> Double steps at even distances: two sample rates, one with lost samples, explain the stamps.
    subroutine explain_rates(record)
       type(record_type), intent(inout) :: record
       character(:), allocatable :: text
@@ -164,8 +163,7 @@ contains
       end do
    end subroutine survey_columns
 
-   !> Smallest and largest value of a stored column, and the smallest step between rows, 0 where it
-   !> is constant.
+   !> Range of a stored column, and the smallest step between rows, 0 where it is constant.
    pure subroutine find_range(store, slot, minimum, maximum, step)
       type(store_type), intent(in) :: store
       integer, intent(in) :: slot

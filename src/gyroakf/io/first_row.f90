@@ -77,7 +77,10 @@ contains
          call refuse_long_rows(lines, fields%count, table%name, error)
          if (allocated(error)) return
       end if
-      call find_joined(lines%bytes, lines%at, lines%to, names_at_hand(table), table%layout, fields)
+      named = count_names(table%names)
+      if (named == 0) named = count_names(table%header%names)
+      if (named == 0) named = count_names(table%supposed)
+      call find_joined(lines%bytes, lines%at, lines%to, named, table%layout, fields)
       if (.not. table%names%known) call take_names(fields, table)
       named = fields%count
       if (table%names%known) then
@@ -127,8 +130,7 @@ contains
    end subroutine lay_out
 
    !> Labels and brackets of the first row become blanks, as in all rows; the labels, or the names
-   !> of cells with arrays, name the fields. They stay where the names are as many as the fields
-   !> without that.
+   !> of cells with arrays, name the fields. They stay where there are as many names as fields.
    subroutine take_marks(lines, table, error)
       type(lines_type), intent(inout) :: lines
       type(table_type), intent(inout) :: table
@@ -155,15 +157,6 @@ contains
          "an array of "//integer_text(abs(array))// &
          " values in one row: axes, or successive samples?", "write one row of numbers per sample")
    end subroutine take_marks
-
-   !> How many names the columns have, wherever they stand.
-   pure integer function names_at_hand(table)
-      type(table_type), intent(in) :: table
-
-      names_at_hand = count_names(table%names)
-      if (names_at_hand == 0) names_at_hand = count_names(table%header%names)
-      if (names_at_hand == 0) names_at_hand = count_names(table%supposed)
-   end function names_at_hand
 
    !> Dates with an ambiguous order of day and month are an error, unless the columns were chosen.
    subroutine refuse_ambiguous_dates(lines, options, fields, table, error)

@@ -1,15 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> What a file looks like before it is read: text or something else.
 !>
-!> The content decides, not the name; only bytes without a signature are what the end of the name
-!> says (`.f64`, `.i16be`).
+!> The content decides; bytes without a signature are what the name ends in (`.f64`, `.i16be`).
 module gyroakf_io_format
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_element, only : element_type, parse_element
    use gyroakf_io_npy, only : npy_magic
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_text, only : bytes_text
-   use gyroakf_spelling, only : lower
+   use gyroakf_spelling, only : lower, replace_all
    implicit none (type, external)
    private
    public :: content_type, recognise
@@ -48,8 +47,7 @@ module gyroakf_io_format
    !> What converts tables of Arrow and Excel, around the name of the reading function
    character(*), parameter :: with_pandas = "python3 -c ""import pandas; pandas.read_"
    character(*), parameter :: to_csv = "('FILE').to_csv('x.csv', index=False)"""
-   !> What reads recordings of ROS, PX4 and ArduPilot, before the name of the extra of the Python
-   !> package
+   !> What reads recordings of ROS, PX4 and ArduPilot, before the name of the package's extra
    character(*), parameter :: with_python = &
       "python3 -m gyroakf run FILE (the Python package of gyroakf, with its extra "
 
@@ -199,23 +197,13 @@ contains
    pure subroutine name_file(advice, name, text)
       character(*), intent(in) :: advice, name
       character(:), allocatable, intent(out) :: text
-      integer :: at, from
 
-      if (name(:min(1, len(name))) == "<") then
-         text = advice
-         at = index(advice, " FILE |")
-         if (at > 0) text = advice(:at - 1)//advice(at + 5:)
-         return
+      text = advice
+      if (index(name, "<") == 1) then
+         call replace_all(text, " FILE |", " |")
+      else
+         call replace_all(text, "FILE", name)
       end if
-      text = ""
-      from = 1
-      do
-         at = index(advice(from:), "FILE")
-         if (at == 0) exit
-         text = text//advice(from:from + at - 2)//name
-         from = from + at + 3
-      end do
-      text = text//advice(from:)
    end subroutine name_file
 
 end module gyroakf_io_format

@@ -72,8 +72,7 @@ contains
       end do
    end subroutine find_pattern
 
-   !> True for a line above the table that holds a setting: words among numbers, or a label, unlike
-   !> the lines that follow.
+   !> True for a setting above the table: words among numbers, or a label, unlike the lines below.
    !>
    !> It is a row where the next one, or two behind others, have the same number of fields, labels
    !> and words in the same places; with a word in front these begin with the same one: records of
@@ -109,8 +108,7 @@ contains
       if (i <= most_ahead) is_setting = .false.
    end function is_setting
 
-   !> True for words with labels, "time: s, gx: deg/s", that stand on a row of as many numbers
-   !> without labels: names.
+   !> True for names in the form of labels, "time: s, gx: deg/s", above a row of as many numbers.
    logical function labels_are_names(lines, pattern)
       type(lines_type), intent(in) :: lines
       character(*), intent(in) :: pattern
@@ -156,8 +154,7 @@ contains
       end do
    end function alike
 
-   !> True for a line that begins with a semicolon and holds names between semicolons: the first
-   !> column has none.
+   !> True for names between semicolons of which the first is empty.
    logical function begins_with_names(lines)
       type(lines_type), intent(in) :: lines
 
@@ -181,8 +178,7 @@ contains
          begins = begins_like_number(bytes, at + 1) .and. bytes(at + 2) /= 93
    end function begins_like_number
 
-   !> Takes in a line of words: names, units below them, or names below a title or below groups of
-   !> columns.
+   !> Takes in a line of words: names, units below them, names below a title or groups of columns.
    subroutine take_heading(lines, behind_setting, names, layout)
       type(lines_type), intent(in) :: lines
       !> True where a setting stands between the names so far and this line
@@ -206,8 +202,7 @@ contains
       layout%semicolons = any(lines%bytes(lines%at:lines%to) == iachar(";"))
    end subroutine take_heading
 
-   !> Takes in a line of units below the names, in brackets or not; not taken where no word of it is
-   !> a unit.
+   !> Takes in a line of units below the names, in brackets or not, if it is one.
    subroutine take_units(lines, names, taken)
       type(lines_type), intent(in) :: lines
       type(column_names_type), intent(inout) :: names
@@ -230,8 +225,7 @@ contains
       if (taken) names%unit = words%name
    end subroutine take_units
 
-   !> Takes a comment for names of columns: words between commas, semicolons or tabs, or a time and
-   !> words between blanks.
+   !> Takes a comment for names: words between separators, or a time and words between blanks.
    !>
    !> Whether they are names is decided later, by the number of columns.
    subroutine suppose_names(lines, supposed)
@@ -267,8 +261,7 @@ contains
       type(fields_type), intent(in) :: fields
       integer(int64), intent(in) :: line
       integer(int8), intent(in), contiguous :: record(:)
-      !> As many names as words; left alone where there are none behind the name, or numbers among
-      !> them
+      !> Left alone where there are no words behind the name, or numbers among them
       type(column_names_type), intent(inout) :: supposed
       type(column_names_type) :: names
       integer :: j

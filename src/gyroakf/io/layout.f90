@@ -14,7 +14,7 @@ module gyroakf_io_layout
       integer :: stored = 0
       !> Where a column is kept, 0 where it is not: [column]
       integer, allocatable :: slot(:)
-      !> The last column may be left away: the row that it was counted in ended with a separator
+      !> The last column may be left away: the first row ended with a separator
       logical :: last_optional = .false.
       !> Columns of dates and times of day: one of the components of stamp_kind, negative where it
       !> is added to what another column of the same slot gave: [column]
@@ -41,8 +41,7 @@ module gyroakf_io_layout
       integer(int64) :: skeleton = 0
       !> Lines that cannot be read count as missing samples instead of being an error
       logical :: bad_lines_missing = .false.
-      !> Semicolons part the columns: a line that begins with one may be a row whose first field is
-      !> empty
+      !> Semicolons part the columns: a line that begins with one may be a row
       logical :: semicolons = .false.
    end type layout_type
 

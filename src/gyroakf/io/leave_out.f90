@@ -17,8 +17,7 @@ module gyroakf_io_leave_out
 
 contains
 
-   !> True for a word that can be no number, not even a wrong one; what holds a number behind a
-   !> colon is not.
+   !> True for a word that can be no number, not even a wrong one or one behind a colon.
    pure logical function is_text(field)
       character(*), intent(in) :: field
       character(*), parameter :: beginnings = "abcdefghijklmnopqrstuvwxyz_=:|>$"
@@ -62,8 +61,7 @@ contains
       if (all(turns > 0)) class(turns) = column_class%rate
    end function classes_of
 
-   !> Which columns are analyzed: gyroscopes and accelerometers, else what may be one, else all
-   !> numbers.
+   !> Which columns are analyzed: gyroscopes and accelerometers, else what may be one, else all.
    pure function analyzed_columns(class, angles) result(analyzed)
       integer, intent(in) :: class(:)
       !> True where they hold angles or increments
@@ -97,8 +95,7 @@ contains
          size(class))], class /= column_class%rate .and. class /= column_class%acceleration)]
    end function in_order
 
-   !> One sentence on the columns that are not analyzed, with numbers and names, and what they
-   !> measure.
+   !> One sentence on the columns that are not analyzed: numbers, names, what they measure.
    subroutine list_left_out(names, class, left, warnings)
       type(column_names_type), intent(in) :: names
       !> [column]

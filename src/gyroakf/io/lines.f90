@@ -19,8 +19,7 @@ module gyroakf_io_lines
    integer(int64), parameter :: longest_line = 16000000
    !> Bytes that are read at once where a file has grown
    integer(int64), parameter :: tail_size = 4096
-   !> Bytes behind those that are filled: a line feed that may be missing, and what the search for
-   !> digits looks at
+   !> Bytes behind the filled ones: a missing line feed, and what the search for digits looks at
    integer(int64), parameter :: behind = digits_ahead + 1
    integer(int8), parameter :: line_feed = 10, carriage_return = 13, &
       line_ends(2) = [line_feed, carriage_return]
@@ -89,8 +88,7 @@ contains
       if (failed == 0) lines%head(:) = lines%bytes(:lines%last)
    end subroutine open_lines
 
-   !> Makes sure that at least one whole line is at hand; there is none (at > last) at the end of
-   !> the source only.
+   !> Provides one whole line at least; there is none (at > last) at the end of the source only.
    subroutine more_lines(lines, error)
       type(lines_type), intent(inout) :: lines
       !> Allocated where reading fails: io, no_memory

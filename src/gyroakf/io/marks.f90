@@ -2,8 +2,7 @@
 !> Labels, brackets and checksums in rows: `gx=1.2, gy=-3`, `{"gx": 1.2}`, `0.01,"[1, 2, 3]"`,
 !> `$IMU,1,2*5A`, `b'1.2'`.
 !>
-!> They become blanks in the rows where they are those of the first row, which leaves numbers
-!> between separators.
+!> They become blanks in rows with the marks of the first, which leaves numbers and separators.
 module gyroakf_io_marks
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : class_of, column_class, is_unit
@@ -31,8 +30,7 @@ module gyroakf_io_marks
 contains
 
    !> Writes blanks for the marks of lines where they are those of the first row, or where a line
-   !> holds nothing else; others become blank where only rows with the labels of the first are
-   !> wanted.
+   !> holds nothing else; other lines become blank where `where_label` asks for it.
    pure subroutine strip_lines(bytes, first, last, layout)
       !> Holds lines at first:last, a line feed at last
       integer(int8), intent(inout), contiguous :: bytes(:)
@@ -208,8 +206,7 @@ contains
       if (value /= 0) mixed = ieor(modulo(skeleton, 2_int64**40)*4194319_int64, value) + 1
    end function mixed
 
-   !> Names the fields of a stripped line by the labels before them, or by the names of the cells
-   !> that hold arrays: "gyro[0]".
+   !> Names the fields of a stripped line by their labels, or by the cells of arrays: "gyro[0]".
    subroutine name_fields(bytes, first, fields, names, array)
       !> Holds the line at first with its marks
       integer(int8), intent(in), contiguous :: bytes(:)

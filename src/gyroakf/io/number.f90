@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Decimal numbers in text, read correctly rounded (to nearest, ties to even), always, and whatever
-!> the locale is.
+!> Decimal numbers in text, correctly rounded (to nearest, ties to even) whatever the locale is.
 !>
 !> A number m * 10^q takes the first of three paths that is sure of its result:
 !>
@@ -64,13 +63,11 @@ module gyroakf_io_number
 
 contains
 
-   !> The number that begins at a byte: `[+-] digits [. digits] [e|E|d|D [+-] digits]`, one digit at
-   !> least.
+   !> The number at a byte: `[+-] digits [. digits] [e|E|d|D [+-] digits]`, one digit at least.
    !>
    !> Whether what follows may follow is the caller's business. Thread-safe.
    pure subroutine scan_number(bytes, at, value, found)
-      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of
-      !> them no digit
+      !> The text and `digits_ahead` more bytes, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of the number; afterwards the byte after it, unchanged where there is no number
       integer(int64), intent(inout) :: at
@@ -153,8 +150,7 @@ contains
       end do
    end function digits_end
 
-   !> The number that bytes are, infinite on overflow; a host that traps overflow or underflow is
-   !> not disturbed.
+   !> The number that bytes are, infinite on overflow; a host that traps overflow is not disturbed.
    pure subroutine library_value(bytes, value)
       integer(int8), intent(in) :: bytes(:)
       real(dp), intent(out) :: value
@@ -200,8 +196,7 @@ contains
       value = 0.0_dp
    end subroutine parse_number
 
-   !> True for the words that stand for a missing number: nan, NA, n/a, null, none, inf, infinity;
-   !> any case, a sign allowed.
+   !> True for the words that stand for a missing number, in any case; a sign is allowed.
    pure logical function is_missing_word(word)
       !> Without blanks around it
       character(*), intent(in) :: word

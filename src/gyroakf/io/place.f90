@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Messages that show the place in a file: `FILE:LINE:COLUMN: what is wrong`, the line, a caret,
-!> what to do.
+!> Messages that show a place in a file: `FILE:LINE:COLUMN: fault`, the line, a caret, what to do.
 module gyroakf_io_place
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -20,8 +19,7 @@ module gyroakf_io_place
 
 contains
 
-   !> An error of code parse at a place in a file; columns are counted in characters (UTF-8), from
-   !> 1.
+   !> An error of code parse at a place in a file; columns are counted in characters, from 1.
    pure subroutine place_error(error, name, line, bytes, first, last, at, what, advice)
       type(error_type), allocatable, intent(out) :: error
       character(*), intent(in) :: name
@@ -64,8 +62,7 @@ contains
                        name//":"//integer_text(line)//":1: "//what//new_line("a")//advice)
    end subroutine line_error
 
-   !> The first byte of the character so many characters away; 1 or len + 1 where the text is too
-   !> short.
+   !> The first byte of the character so many characters away, at least 1, at most len + 1.
    pure integer function step(text, at, count)
       character(*), intent(in) :: text
       integer, intent(in) :: at, count
@@ -81,8 +78,7 @@ contains
       step = max(step, 1)
    end function step
 
-   !> Bytes as a text for a terminal: tabs become blanks, control characters and broken UTF-8
-   !> question marks.
+   !> Bytes for a terminal: tabs become blanks, control characters and broken UTF-8 question marks.
    pure function shown_bytes(bytes, first, last) result(text)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last

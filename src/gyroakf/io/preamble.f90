@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What stands above the rows of a table in text: comments, names, units, settings, rows of other
-!> records.
+!> What stands above the rows of a table: comments, names, units, settings, rows of other records.
 module gyroakf_io_preamble
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status

@@ -15,8 +15,7 @@ module gyroakf_io_quick_number
 
    !> A number and where it ends: two words, which a function hands back in registers
    type :: quick_type
-      !> The byte after the number; 0 where it is not of a usual form, or not sure to be rounded
-      !> correctly
+      !> The byte after the number; 0 where it is not usual, or not sure to be rounded correctly
       integer(int64) :: next
       real(dp) :: value
    end type quick_type
@@ -62,8 +61,7 @@ contains
 
    !> The number that begins at a byte. What follows it is the caller's business.
    pure function quick_number(bytes, at) result(quick)
-      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of
-      !> them no digit
+      !> The text and `digits_ahead` more bytes, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in), value :: at
       !> Its `next` is 0 where another way has to be taken
@@ -164,8 +162,7 @@ contains
       if (n == 8 .or. p == first) p = 0
    end subroutine take_integer
 
-   !> Appends the eight digits of a word that was read at p, and reads the next word; leaves it
-   !> where m would overflow.
+   !> Appends the eight digits read at p, and reads the next word; not where m would overflow.
    pure subroutine take_eight(bytes, p, m, q, word)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, m, q, word
@@ -177,8 +174,7 @@ contains
       word = ieor(transfer(bytes(p:p + 7), word), zeros)
    end subroutine take_eight
 
-   !> Adds an exponent, whose letter is at p, to q; p is 0 where it is not of 1 to 3 digits. A sign
-   !> and two digits are usual.
+   !> Adds an exponent, whose letter is at p, to q; p is 0 where it has not 1 to 3 digits.
    pure subroutine take_exponent(bytes, p, q)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, q
@@ -261,8 +257,7 @@ contains
 
    !> Moves behind digits, eight at a time.
    pure subroutine skip_digits(bytes, at)
-      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of
-      !> them no digit
+      !> The text and `digits_ahead` more bytes, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Any byte; afterwards the next that is no digit
       integer(int64), intent(inout) :: at

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A recording from a file, from standard input, from a FIFO, or of samples that are in memory
-!> already.
+!> A recording from a file, standard input or a FIFO, or of samples that are in memory already.
 !>
 !> What the file says about rate, unit and columns is used, an option overrides it, and where
 !> neither says anything nothing is assumed. Everything that was decided on the way is in the
@@ -61,8 +60,7 @@ contains
       !> Whole; its rows are moved out
       type(recording_type), intent(inout) :: recording
       type(record_type), intent(out) :: record
-      !> Allocated on failure: parse, invalid_argument, too_few_samples, non_finite, no_memory,
-      !> cancelled
+      !> On failure: parse, invalid_argument, too_few_samples, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Progress callback, between its parts; may cancel
       class(progress_type), intent(inout), optional :: progress
@@ -148,8 +146,7 @@ contains
       table%chosen = table%chosen(slots)
    end subroutine take_values
 
-   !> Which of the stored columns hold a number at all; blank ones are left out unless they were
-   !> asked for.
+   !> Which of the stored columns hold a number; blank ones that were not asked for are left out.
    subroutine find_numbers(table, keep, record, error)
       type(table_type), intent(in) :: table
       logical, intent(inout) :: keep(:)
@@ -181,8 +178,7 @@ contains
          "give one row of numbers per sample")
    end subroutine find_numbers
 
-   !> Makes a recording of values and names: marks what is missing, sets rate and units, counts what
-   !> a reader counts.
+   !> Makes a recording of values and names: marks what is missing, sets rate and units, audits.
    subroutine finish_record(sample_interval, unit, record, error, progress)
       !> s, > 0, finite
       real(dp), intent(in) :: sample_interval

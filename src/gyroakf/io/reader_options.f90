@@ -25,23 +25,19 @@ module gyroakf_io_reader_options
       character(:), allocatable :: input
       !> Every value is multiplied by it
       real(dp) :: scale = 1.0_dp
-      !> Columns by number (from 1, all columns count) or name, as "2" or "gx,gy"; unallocated: all
-      !> but the time column
+      !> Columns by number (from 1) or name, as "2" or "gx,gy"; unallocated: all but the time column
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
       !> Of numbers in the time column: "s", "ms", "us", "ns", "min", "h", perhaps behind a whole
       !> number, as in "100us"; unallocated: by its name, else by its values
       character(:), allocatable :: time_unit
-      !> COLUMN=VALUE: rows that hold something else in that column are not read; unallocated: all
-      !> rows
+      !> COLUMN=VALUE: only these rows are read; unallocated: all rows
       character(:), allocatable :: where
       !> How samples get their place: "index" (also where unallocated) at the mean rate, lost ones
       !> filled in; "nearest" on the slot of the grid nearest to their stamp; "linear" interpolated
-      !> onto the grid
       character(:), allocatable :: resample
-      !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or
-      !> "none"
+      !> Where angles wrap, in units of the file: a number, "auto" (or unallocated) or "none"
       character(:), allocatable :: wrap
       !> Every comma in the file is a decimal comma
       logical :: decimal_comma = .false.
@@ -61,13 +57,11 @@ module gyroakf_io_reader_options
       !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per
       !> sample, beside the record itself: for the channel that is worked on, and for every channel
       integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
-      !> The same for `part_samples` of the channel that is worked on, or all of them where they are
-      !> fewer
+      !> The same for `part_samples` of the channel that is worked on, or all if they are fewer
       integer(int64) :: part_bytes = 0, part_samples = 0
       !> `memory` is what the machine has left, not an option
       logical :: memory_found = .false.
-      !> Where associated they are read instead of a file, and the path is a name for messages; they
-      !> have to stay until the end
+      !> Where associated they are read instead of a file, whose path is a name for messages then
       integer(int8), pointer, contiguous :: bytes(:) => null()
    end type reader_options
 

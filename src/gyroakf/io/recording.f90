@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> A recording that is open: what stands above its rows is known, the rows are read as far as the
-!> memory allows.
+!> A recording that is open: what stands above its rows is known, these are read as far as memory
+!> allows.
 module gyroakf_io_recording
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -80,7 +80,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(content_type) :: content
       type(element_type) :: element
-      logical :: raw
+      logical :: raw, other
 
       call parse_element(recording%options%format, element, raw)
       if (raw) then
@@ -109,13 +109,20 @@ contains
       case default
          call begin_table(recording%lines, recording%options, recording%table, error)
          if (allocated(error)) return
-         recording%expected_rows = rows_by_size(recording%lines)
-         if (named_otherwise(content%ending)) call add_text(recording%table%warnings, &
+         associate (lines => recording%lines)
+            if (lines%source%length > 0 .and. lines%last >= lines%at) recording%expected_rows = &
+               int(real(lines%source%length, dp) &
+                   *real(count(lines%bytes(lines%at:lines%last) == 10, kind=int64), dp) &
+                   /real(lines%last - lines%at + 1, dp), int64)
+         end associate
+         call parse_element(content%ending, element, other)
+         other = other .or. &
+            any(content%ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
+         if (other) call add_text(recording%table%warnings, &
             "the name ends in ."//content%ending//", but the content is text and is read as such")
       end select
    end subroutine begin_rows
 
-   !> Opens raw numbers.
    subroutine begin_numbers_only(path, element, recording, error)
       character(*), intent(in) :: path
       type(element_type), intent(in) :: element
@@ -124,8 +131,8 @@ contains
 
       call check_use("binary", recording, error)
       if (allocated(error)) return
-      call begin_raw(recording%lines%source, path, recording%options, max(1_int64, &
-         recording%options%channels), element, recording%binary, recording%table, error)
+      call begin_raw(recording%lines%source, path, recording%options, &
+         max(1_int64, recording%options%channels), element, recording%binary, recording%table, error)
       recording%format = trim(element_word(element))
       recording%stored_type = trim(element_name(element))
       recording%expected_rows = max(0_int64, recording%binary%rows)
@@ -171,24 +178,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: what
 
-      if (kind == "npy" .and. recording%options%skip > 0) what = &
-         "`skip` is for text (lines) and raw numbers (bytes)"
+      if (kind == "npy" .and. recording%options%skip > 0) &
+         what = "`skip` is for text (lines) and raw numbers (bytes)"
       if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
-      if (kind /= "binary" .and. recording%options%channels > 0) what = &
-         "`channels` is for raw numbers"
+      if (kind /= "binary" .and. recording%options%channels > 0) what = "`channels` is for raw numbers"
       if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "// &
          what//", and this is "//trim(kind))
    end subroutine check_use
-
-   !> True for the ending of another format.
-   pure logical function named_otherwise(ending)
-      character(*), intent(in) :: ending
-      type(element_type) :: element
-
-      call parse_element(ending, element, named_otherwise)
-      named_otherwise = named_otherwise .or. &
-         any(ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
-   end function named_otherwise
 
    !> Reads all rows that are asked for, or as many as the memory allows: `table%whole`. None where
    !> the file's size alone exceeds the memory. Without time stamps and with a known rate the rows
@@ -200,8 +196,15 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: most, wanted
+      real(dp) :: rate
 
-      call count_wanted(recording, wanted)
+      rate = recording%options%rate_hz
+      if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
+      wanted = huge(wanted)
+      if (recording%table%time == 0 .and. rate > 0.0_dp) then
+         if (recording%options%to < 1.0e15_dp/rate) &
+            wanted = ceiling(recording%options%to*rate, int64) + 2    ! angles are differenced
+      end if
       if (recording%expected_rows > wanted) recording%expected_rows = wanted
       most = huge(most) - 1
       if (recording%options%memory > 0) most = rows_within(recording, recording%options)
@@ -209,22 +212,6 @@ contains
       call next_rows(recording, min(most + 1, wanted), error, progress)
       if (recording%table%rows >= wanted .and. wanted <= most) recording%table%whole = .true.
    end subroutine hold_rows
-
-   !> Rows up to `options%to`, one more as angles are differenced; huge where that is not known
-   !> before they are read.
-   pure subroutine count_wanted(recording, wanted)
-      type(recording_type), intent(in) :: recording
-      integer(int64), intent(out) :: wanted
-      real(dp) :: rate
-
-      wanted = huge(wanted)
-      if (recording%table%time > 0) return
-      rate = recording%options%rate_hz
-      if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
-      if (.not. rate > 0.0_dp) return
-      if (recording%options%to < 1.0e15_dp/rate) &
-         wanted = ceiling(recording%options%to*rate, int64) + 2
-   end subroutine count_wanted
 
    !> Rows that fit into `options%memory`.
    pure integer(int64) function rows_within(recording, options, channels) result(rows)
@@ -234,12 +221,11 @@ contains
       !> Number of channels, all that are chosen if absent
       integer, intent(in), optional :: channels
 
-      rows = max(0_int64, options%memory &
-         - base_bytes)/(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
+      rows = max(0_int64, options%memory - base_bytes) &
+             /(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
    end function rows_within
 
-   !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no
-   !> more (`table%whole`).
+   !> Reads rows into `table%store` until it has enough or there are no more (`table%whole`).
    !>
    !> The one place that reads rows, whatever the format.
    subroutine next_rows(recording, most, error, progress)
@@ -260,25 +246,12 @@ contains
       end if
    end subroutine next_rows
 
-   !> Closes the file.
+   !> Closes the file; the rows stay.
    subroutine close_recording(recording)
-      !> Its rows stay
       type(recording_type), intent(inout) :: recording
 
       call close_source(recording%lines%source)
    end subroutine close_recording
-
-   !> Rows of a regular file from the length of its first lines, 0 where the size is not known.
-   pure integer(int64) function rows_by_size(lines) result(rows)
-      type(lines_type), intent(in) :: lines
-      integer(int64) :: count_lines
-
-      rows = 0
-      if (lines%source%length <= 0 .or. lines%last < lines%at) return
-      count_lines = count(lines%bytes(lines%at:lines%last) == 10, kind=int64)
-      rows = int(real(lines%source%length, dp)*real(count_lines, &
-         dp)/real(lines%last - lines%at + 1, dp), int64)
-   end function rows_by_size
 
    !> Bytes that the process needs to hold so many rows and work on them.
    pure integer(int64) function bytes_needed(recording, rows, options, channels) result(bytes)

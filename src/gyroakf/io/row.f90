@@ -81,12 +81,10 @@ contains
       end do
    end subroutine split_row
 
-   !> Makes one field of a date and the time of day and zone behind it, where the layout says that
-   !> they are one column.
+   !> Makes one field of a date and the time of day and zone behind it where the layout joins them.
    pure subroutine join_fields(bytes, layout, fields)
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Its `joined` is the column; as many are joined as there are more than `columns`, where
-      !> those are known
+      !> Its `joined` is the column; as many are joined as there are more than `columns`
       type(layout_type), intent(in) :: layout
       !> One or two less where there are some to join
       type(fields_type), intent(inout) :: fields
@@ -109,8 +107,7 @@ contains
       end do
    end subroutine join_fields
 
-   !> True for a row whose field in the column of the layout's condition is the value of it, as text
-   !> or as a number.
+   !> True for a row that meets the layout's condition, as text or as a number.
    pure logical function agrees(bytes, fields, layout)
       integer(int8), intent(in), contiguous :: bytes(:)
       type(fields_type), intent(in) :: fields

@@ -25,42 +25,40 @@ contains
       type(layout_type), intent(in) :: layout
       integer, intent(in) :: column
       type(problem_type), intent(inout) :: problem
-      character(:), allocatable :: advice
+      character(:), allocatable :: text, what, advice
       integer(int64) :: p
       real(dp) :: x
       integer :: found, kind
 
       kind = abs(layout%kind(column))
-      if (kind /= stamp_kind%number) then
-         advice = "a date as in the first row"
-         if (kind == stamp_kind%clock) advice = "a time of day as in the first row"
-         if (any(kind == [stamp_kind%long, stamp_kind%nano, stamp_kind%micro])) advice = "a number"
-         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//advice, &
-            mend)
-         return
-      end if
+      text = bytes_text(bytes, first, last)
+      what = "'"//excerpt(bytes, first, last)//"'"
+      advice = mend
       p = first
       call scan_number(bytes, p, x, found)
-      if (found /= number%none .and. p == last + 1) then
-         call set_problem(problem, first, "the number '"//excerpt(bytes, first, last)// &
-            "' is too large (at most 1.8e308)", mend)
-         return
+      if (kind == stamp_kind%clock) then
+         what = what//" is not a time of day as in the first row"
+      else if (all(kind /= [stamp_kind%number, stamp_kind%long, stamp_kind%nano, stamp_kind%micro])) then
+         what = what//" is not a date as in the first row"
+      else if (kind == stamp_kind%number .and. found /= number%none .and. p == last + 1) then
+         what = "the number "//what//" is too large (at most 1.8e308)"
+      else
+         what = what//" is not a number"
+         if (kind /= stamp_kind%number) then
+            continue
+         else if (kind_of_field(bytes, first, last) /= stamp_kind%number) then
+            advice = "the first row has a number in this column, not a date or a time of day; "//mend
+         else if (has_label(text)) then
+            advice = "the labels are not those of the first row; "//mend
+         else if (last > first .and. verify(text, "0123456789ABCDEFabcdef") == 0) then
+            advice = "hexadecimal digits are not read: decode them into numbers first"
+         else if (has_groups(text)) then
+            advice = "commas that group digits are not read: take them out"
+         else if (index(text, dash) > 0) then
+            advice = "the minus sign is not that of ASCII: replace it by '-'"
+         end if
       end if
-      advice = mend
-      if (index(bytes_text(bytes, first, last), dash) > 0) &
-         advice = "the minus sign is not that of ASCII: replace it by '-'"
-      if (has_groups(bytes_text(bytes, first, last))) &
-         advice = "commas that group digits are not read: take them out"
-      if (last > first .and. &
-         verify(bytes_text(bytes, first, last), "0123456789ABCDEFabcdef") == 0) then
-         advice = "hexadecimal digits are not read: decode them into numbers first"
-      end if
-      if (has_label(bytes_text(bytes, first, last))) &
-         advice = "the labels are not those of the first row; "//mend
-      if (kind_of_field(bytes, first, last) /= stamp_kind%number) &
-         advice = "the first row has a number in this column, not a date or a time of day; "//mend
-      call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", &
-         advice)
+      call set_problem(problem, first, what, advice)
    end subroutine field_problem
 
    !> True for "gx:0.5" and "x=-1".
@@ -107,8 +105,7 @@ contains
       if (len(text) > shown_length(bytes(first:last))) text(len(text) - 2:) = "..."
    end function excerpt
 
-   !> The problem of a row with another number of columns, at the first field that is too much or at
-   !> the end.
+   !> Another number of columns: a problem at the first field that is too much or at the end.
    subroutine count_problem(bytes, first, last, layout, fields, problem)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last

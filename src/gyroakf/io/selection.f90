@@ -27,8 +27,7 @@ module gyroakf_io_selection
 
 contains
 
-   !> True for a row whose field in the column of the layout is the value that is wanted, as text or
-   !> as a number. Thread-safe.
+   !> True for a row that meets the layout's condition. Thread-safe.
    pure logical function is_wanted(bytes, first, last, layout)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -59,8 +58,7 @@ contains
       if (found /= number%ok) layout%where_number = ieee_value(1.0_dp, ieee_quiet_nan)
    end subroutine set_condition
 
-   !> Looks for a column that alternates between few values while the time stamps repeat, and says
-   !> so.
+   !> Looks for a column that alternates between few values while the time stamps repeat.
    subroutine find_interleaved(field, table, what)
       type(text_type), intent(in) :: field(:, :)
       !> Its columns are known; `kinds` is set where there are several sensors
@@ -82,7 +80,9 @@ contains
          if (sensors == 0) cycle
          what = label_of(table%names, j)//" alternates between "//integer_text(sensors)// &
             " values while the time stamps repeat: "//integer_text(sensors)//" sensors in one table"
-         call find_selector(table%names, j, column)
+         column = ""
+         if (table%names%known) column = table%names%name(j)%text
+         if (len(column) == 0 .or. scan(column, " =()[]$*?#;&|<>'""") > 0) column = integer_text(j)
          do k = 1, sensors
             call add_text(table%kinds, column//"="//field(k, j)%text)
          end do
@@ -91,8 +91,7 @@ contains
    end subroutine find_interleaved
 
    !> Looks for a column of words that repeat, with only times and counters before it: rows that
-   !> hold another word than the first row are wrong then. A column of words behind the samples says
-   !> something about a row.
+   !> hold another word than the first row are wrong then. Words behind the samples describe a row.
    subroutine find_kinds_of_records(field, texts, table)
       type(text_type), intent(in) :: field(:, :)
       !> Columns of words: [column]
@@ -123,17 +122,6 @@ contains
          return
       end do
    end subroutine find_kinds_of_records
-
-   !> A column for --where: its name, or its number where it has none or one with a blank.
-   pure subroutine find_selector(names, column, text)
-      type(column_names_type), intent(in) :: names
-      integer, intent(in) :: column
-      character(:), allocatable, intent(out) :: text
-
-      text = ""
-      if (names%known) text = names%name(column)%text
-      if (len(text) == 0 .or. scan(text, " =()[]$*?#;&|<>'""") > 0) text = integer_text(column)
-   end subroutine find_selector
 
    !> The fields of the first rows that have enough and are wanted.
    pure subroutine first_rows(bytes, first, last, layout, field, stat)

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A record is brought into shape: lost samples get their place, missing ones their mark, angles
-!> become rates.
+!> A record gets its shape: a place for lost samples, marks for missing ones, rates of angles.
 module gyroakf_io_shape
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
@@ -163,8 +162,7 @@ contains
       if (wrapped > 0.5_dp*modulus) wrapped = wrapped - modulus
    end function wrapped
 
-   !> Where the angles begin again: what the option says, else the range of the integers that the
-   !> file stores; 0 for nowhere.
+   !> Where angles begin again: by the option, else the range of the file's integers; 0: nowhere.
    pure real(dp) function wrap_of(options, table)
       type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table

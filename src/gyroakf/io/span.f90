@@ -2,8 +2,7 @@
 !> Some whole lines of a table, read into rows of their own: what a thread does.
 !>
 !> Nothing here builds a text or keeps a state, so that any number of spans can be read at a time;
-!> what is wrong with a line is said by who puts the spans together, for the first in the order of
-!> the file only.
+!> who joins them says what is wrong with the first bad line.
 module gyroakf_io_span
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
@@ -20,13 +19,11 @@ module gyroakf_io_span
    type :: tally_type
       !> Rows that were read, lines that were left behind
       integer(int64) :: rows = 0, lines = 0
-      !> Lines that could not be read and count as missing, and the first of them, counted from the
-      !> start of the span
+      !> Lines that count as missing, and the first of them, counted from the start of the span
       integer(int64) :: bad_lines = 0, first_bad_line = 0
       !> Lines that repeat the names of the columns, and the first of them
       integer(int64) :: headings = 0, first_heading = 0
-      !> First byte of a line that could not be read, where nothing behind it was read; 0 where
-      !> there is none
+      !> First byte of a line that could not be read, the last one looked at; 0 for none
       integer(int64) :: problem_at = 0
       !> True where there was no memory for the rows
       logical :: no_memory = .false.
@@ -100,8 +97,7 @@ contains
       end do
    end subroutine skip_unwanted
 
-   !> Reserves at least one row more: estimated from the length of the lines at first, then from the
-   !> rows so far.
+   !> Reserves at least one row more, by the length of the lines, then by the rows so far.
    pure subroutine reserve_rows(layout, at, span)
       type(layout_type), intent(in) :: layout
       integer(int64), intent(in) :: at
@@ -167,8 +163,7 @@ contains
       span%lines = span%lines + 1
    end subroutine take_odd_line
 
-   !> True for a line that repeats the names of the columns, as in files that were put behind one
-   !> another.
+   !> True for a line that repeats the names of the columns, as in joined files.
    pure logical function is_heading(bytes, first, last, layout)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last

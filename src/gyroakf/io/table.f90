@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A table of numbers: header, names, rows, and which columns are kept. What the numbers mean is the
-!> reader's business.
+!> A table of numbers: header, names, rows, and which columns are kept.
 module gyroakf_io_table
    use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : column_class, is_time_name
@@ -33,12 +32,10 @@ module gyroakf_io_table
       type(column_names_type) :: supposed
       !> All columns of the file, and which are kept
       type(layout_type) :: layout
-      !> The columns that hold the record, in the order wanted; and the one that holds the time, 0
-      !> where there is none
+      !> The columns that hold the record, in the order wanted; the time's, 0 for none
       integer, allocatable :: chosen(:)
       integer :: time = 0
-      !> The column of fractions of the time's seconds, 0 for none, and whether these are
-      !> nanoseconds
+      !> The column of fractions of the time's seconds, 0 for none; whether in nanoseconds
       integer :: fraction = 0
       logical :: nano = .true.
       !> What each column measures, one of the components of column_class: [column]
@@ -94,8 +91,7 @@ contains
       logical, intent(in) :: texts(:)
       !> Its names and layout are known; the time, `class` and `chosen` are set
       type(table_type), intent(inout) :: table
-      !> Allocated where no column is left: parse; where none is what was asked for:
-      !> invalid_argument
+      !> Where no column is left: parse; where none is what was asked for: invalid_argument
       type(error_type), allocatable, intent(out) :: error
       !> What is taken for the time where no name is one
       integer, parameter :: stamps(3) = [stamp_kind%moment, stamp_kind%clock, stamp_kind%date]

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Lines of text taken apart: fields between blanks, tabs, commas and semicolons in any mix,
-!> comments, quotes.
+!> Lines of text taken apart: fields between blanks, tabs, commas and semicolons, comments, quotes.
 !>
 !> Here and in the other modules of text a line is `bytes(first:last)`, without its end.
 module gyroakf_io_text
@@ -50,7 +49,6 @@ contains
       !> The fields; its arrays are reused
       type(fields_type), intent(inout) :: fields
       integer(int64) :: p, from, to
-      logical :: ended
 
       fields%count = 0
       fields%open_quote = 0
@@ -58,9 +56,8 @@ contains
       p = first
       do
          call skip_blanks(bytes, last, way, p)
-         ended = p > last
-         if (.not. ended) ended = comment_at(bytes, p, last)
-         if (ended) exit
+         if (p > last) exit
+         if (comment_at(bytes, p, last)) exit
          call next_field(bytes, last, way, p, from, to, fields%open_quote)
          call append(fields, from, to)
          if (fields%open_quote /= 0) return
@@ -88,10 +85,9 @@ contains
       integer, intent(in) :: way
       integer(int64), intent(inout) :: p
 
-      do while (p <= last)
-         if (bytes(p) /= blank .and. bytes(p) /= carriage_return .and. &
-            (bytes(p) /= tab .or. way /= split%mixed)) exit
-         p = p + 1
+      do p = p, last
+         if (all(bytes(p) /= [blank, carriage_return, tab])) exit
+         if (bytes(p) == tab .and. way /= split%mixed) exit
       end do
    end subroutine skip_blanks
 
@@ -127,16 +123,13 @@ contains
          to = to - 1
          return
       end if
-      do while (p <= last)
+      do p = p, last
          if (separates(bytes(p), way)) exit
-         if (way /= split%names .and. &
-            (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return)) exit
-         p = p + 1
+         if (way /= split%names .and. any(bytes(p) == [blank, tab, carriage_return])) exit
       end do
       to = last_visible(bytes, from, p - 1)
    end subroutine next_field
 
-   !> Appends a field.
    pure subroutine append(fields, from, to)
       type(fields_type), intent(inout) :: fields
       integer(int64), intent(in) :: from, to
@@ -174,8 +167,7 @@ contains
       if (.not. is_no_row) is_no_row = bytes(p) == semicolon .or. comment_at(bytes, p, last)
    end function is_no_row
 
-   !> True for a line that begins with `;`: a comment, or a row whose first field is empty where
-   !> semicolons part the columns.
+   !> True for a line that begins with `;`: a comment, or a row whose first field is empty.
    pure logical function begins_with_semicolon(bytes, first, last)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -183,7 +175,7 @@ contains
 
       p = first_visible(bytes, first, last)
       begins_with_semicolon = p <= last
-      if (p <= last) begins_with_semicolon = bytes(p) == semicolon
+      if (begins_with_semicolon) begins_with_semicolon = bytes(p) == semicolon
    end function begins_with_semicolon
 
    !> First byte in first:last that is not blank; last + 1 where all are.
@@ -191,10 +183,8 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 
-      first_visible = first
-      do while (first_visible <= last)
+      do first_visible = first, last
          if (bytes(first_visible) < 0 .or. bytes(first_visible) > blank) exit
-         first_visible = first_visible + 1
       end do
    end function first_visible
 
@@ -203,10 +193,8 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 
-      last_visible = last
-      do while (last_visible >= first)
+      do last_visible = last, first, -1
          if (bytes(last_visible) < 0 .or. bytes(last_visible) > blank) exit
-         last_visible = last_visible - 1
       end do
    end function last_visible
 

@@ -25,8 +25,7 @@ module gyroakf_io_text_rows
    private
    public :: read_rows
 
-   !> Bytes of a piece: text and numbers stay in a core's cache. Bytes of a block at most: pieces
-   !> for 32 threads
+   !> Bytes of a piece, which stays in a core's cache, and of a block: pieces for 32 threads
    integer(int64), parameter :: piece_size = 131072, block_size = 32*piece_size
    !> Bytes that a file may have grown by within a line, see [[end_last_line]]
    integer(int64), parameter :: reserve = 4096
@@ -58,7 +57,7 @@ contains
       !> Progress callback, in bytes read
       class(progress_type), intent(inout), optional :: progress
       type(block_type) :: block
-      integer(int64) :: missing
+      integer(int64) :: missing, row_bytes, wanted
 
       do
          missing = most - count_rows(table%store)
@@ -68,7 +67,11 @@ contains
          if (allocated(error)) return
          table%whole = lines%ended .and. lines%at > lines%filled
          if (table%whole) return
-         call begin_block(lines, wanted_bytes(lines, table, missing), block, error)
+         row_bytes = 24
+         if (table%rows > 0) row_bytes = max(2_int64, lines%source%delivered/table%rows)
+         wanted = block_size
+         if (missing < block_size/row_bytes) wanted = max(piece_size, missing*row_bytes)
+         call begin_block(lines, wanted, block, error)
          if (.not. allocated(error)) call read_pieces(lines, table, block)
          if (.not. allocated(error) .and. block%by_pieces) call take_bytes(lines, block, error)
          if (.not. allocated(error)) call read_borders(lines, table, block)
@@ -76,19 +79,6 @@ contains
          if (allocated(error)) return
       end do
    end subroutine read_rows
-
-   !> Bytes of the next block: for so many rows, by the length of those that were read.
-   pure integer(int64) function wanted_bytes(lines, table, rows) result(bytes)
-      type(lines_type), intent(in) :: lines
-      type(table_type), intent(in) :: table
-      integer(int64), intent(in) :: rows
-      integer(int64) :: row_bytes
-
-      row_bytes = 24
-      if (table%rows > 0) row_bytes = max(2_int64, lines%source%delivered/table%rows)
-      bytes = block_size
-      if (rows < block_size/row_bytes) bytes = max(piece_size, rows*row_bytes)
-   end function wanted_bytes
 
    !> Decides on the next block; reads it where that cannot be left to the threads.
    subroutine begin_block(lines, wanted, block, error)
@@ -120,19 +110,11 @@ contains
       block%offset = lines%source%delivered
       if (block%by_pieces) block%last = block%first - 1 + min(wanted, source_left(lines%source))
       block%pieces = int((block%last - block%first + piece_size)/piece_size)
-      call provide_spans(block)
-   end subroutine begin_block
-
-   !> Spans for all pieces and borders; existing ones keep their memory.
-   subroutine provide_spans(block)
-      type(block_type), intent(inout) :: block
-
-      if (allocated(block%span)) then
-         if (size(block%span) > 2*block%pieces) return
-         deallocate (block%span)
+      if (allocated(block%span)) then                                     ! they keep their memory
+         if (size(block%span) <= 2*block%pieces) deallocate (block%span)
       end if
-      allocate (block%span(2*block%pieces + 1))
-   end subroutine provide_spans
+      if (.not. allocated(block%span)) allocate (block%span(2*block%pieces + 1))
+   end subroutine begin_block
 
    !> Reads the pieces and the whole lines within them.
    subroutine read_pieces(lines, table, block)
@@ -212,8 +194,7 @@ contains
       if (lines%ended) call end_last_line(lines, error)
    end subroutine take_bytes
 
-   !> Reads the lines between those that the pieces hold; none is left but what may be the start of
-   !> a line.
+   !> Reads the lines on the borders of pieces; only what may be the start of a line is left.
    subroutine read_borders(lines, table, block)
       type(lines_type), intent(inout) :: lines
       type(table_type), intent(in) :: table
@@ -247,8 +228,7 @@ contains
       lines%last = feed
    end subroutine read_borders
 
-   !> Puts the rows of the spans behind those of the store, up to the first line that cannot be
-   !> read.
+   !> Appends the rows of the spans to the store, up to the first line that cannot be read.
    subroutine join_spans(lines, missing, table, block, error)
       type(lines_type), intent(inout) :: lines
       integer(int64), intent(in) :: missing
@@ -320,8 +300,8 @@ contains
 
       expected = table%rows
       if (has_places(lines%source)) then
-         left = real(source_left(lines%source), dp)*real(table%rows, &
-            dp)/real(max(lines%source%delivered, 1_int64), dp)
+         left = real(source_left(lines%source), dp)*real(table%rows, dp) &
+                /real(max(lines%source%delivered, 1_int64), dp)
          expected = rows + int(1.02_dp*left, int64) + 64
       end if
       if (missing < expected) expected = max(rows, missing + missing/4)
