@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Units of the noise coefficients, and what these are coefficients of.
 !>
-!> The library computes in the unit of its input; this module alone converts, where a result is
-!> stated.
+!> The library computes in the unit of its input; only here results are converted.
 module gyroakf_coefficient_units
    use gyroakf_kinds, only : dp
    use gyroakf_units, only : quantity, standard_gravity, unit_type
@@ -95,8 +94,7 @@ contains
       end if
    end function coefficient_unit
 
-   !> What N is stated in as a density: deg/s/sqrt(Hz), ug/sqrt(Hz), else the input's unit per root
-   !> of a hertz.
+   !> The unit of N as a density: deg/s/sqrt(Hz), ug/sqrt(Hz), else the input's per root of a hertz.
    pure function density_unit(unit) result(u)
       type(unit_type), intent(in) :: unit
       type(coefficient_unit_type) :: u
@@ -116,7 +114,6 @@ contains
       end if
    end function density_unit
 
-   !> The coefficient in the unit of the input and seconds, or samples.
    pure function input_coefficient_unit(unit, term, step) result(u)
       type(unit_type), intent(in) :: unit
       integer, intent(in) :: term

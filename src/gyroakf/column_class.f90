@@ -204,8 +204,7 @@ contains
       if (at == len(text)) at = 0
    end function opening_bracket
 
-   !> Length of a name or unit without what stands in brackets at its end and is no unit: "gyro
-   !> deg/s" of "gyro deg/s (LSB 1/131)".
+   !> Length of a name or unit without a note in brackets at its end, as "gyro deg/s (LSB 1/131)".
    pure integer function noteless_length(text) result(length)
       character(*), intent(in) :: text
       integer :: at

@@ -46,8 +46,7 @@ contains
       end do
    end subroutine split_name
 
-   !> True where a word ends before a character: at a sign, at a capital behind a small letter, and
-   !> at the last capital before one.
+   !> True where a word ends before a character: a sign, a capital behind or before a small letter.
    pure logical function begins_word(name, i)
       character(*), intent(in) :: name
       integer, intent(in) :: i
@@ -121,8 +120,8 @@ contains
       end do
    end function has_beginning
 
-   !> True for the names that mean a time: t, time_ms, Timestamp [us], TimeUS, SampleTimeFine,
-   !> gps_tow_s, epoch, Elapsed Time, UTC.
+   !> True for the names that mean a time: t, time_ms, TimeUS, SampleTimeFine, gps_tow_s, epoch,
+   !> UTC.
    !>
    !> One of its words, parted by signs or by capitals, means a time, and none that it is a
    !> duration, an error or a state. `T` is a temperature, unless its unit is that of a time.

@@ -60,8 +60,7 @@ contains
       end do
    end function nearest_word
 
-   !> Least number of letters to insert, delete, replace or swap with the neighbor to turn one word
-   !> into another (restricted Damerau-Levenshtein distance).
+   !> Restricted Damerau-Levenshtein distance: letters to insert, delete, replace or swap.
    pure integer function edit_distance(a, b)
       character(*), intent(in) :: a
       character(*), intent(in) :: b
@@ -80,9 +79,7 @@ contains
             cost = merge(0, 1, a(i:i) == b(j:j))
             d(i, j) = min(d(i - 1, j) + 1, d(i, j - 1) + 1, d(i - 1, j - 1) + cost)
             if (a(i:i) == b(max(j - 1, 1):max(j - 1, 1)) .and. &
-               a(max(i - 1, 1):max(i - 1, 1)) == b(j:j)) then
-               d(i, j) = min(d(i, j), d(i - 2, j - 2) + 1)
-            end if
+               a(max(i - 1, 1):max(i - 1, 1)) == b(j:j)) d(i, j) = min(d(i, j), d(i - 2, j - 2) + 1)
          end do
       end do
       edit_distance = d(len(a), len(b))

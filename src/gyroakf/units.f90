@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Units of rates, angles and accelerations. Factors are exact, or one rounded division of exact
-!> numbers.
+!> Units of rates, angles, accelerations. Factors are exact, or one division of exact numbers.
 module gyroakf_units
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
@@ -178,8 +177,8 @@ contains
       unit%to_si = to_si
    end subroutine set_unit
 
-   !> Seconds in a unit of time: s, ms, us, ns, min, h and their spellings, perhaps behind a whole
-   !> number (100us); 0 for other words.
+   !> Seconds in a unit of time: s, ms, us, ns, min, h, perhaps behind a whole number (100us), else
+   !> 0.
    pure real(dp) function time_scale(word)
       !> In lower case
       character(*), intent(in) :: word

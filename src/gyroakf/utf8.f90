@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Characters in a row of bytes: how many there are, whether they are UTF-8, UTF-8 made of what is
-!> not.
+!> Characters in bytes: how many there are, whether they are UTF-8, UTF-8 made of what is not.
 module gyroakf_utf8
    implicit none (type, external)
    private
@@ -19,15 +18,13 @@ contains
       end do
    end function text_width
 
-   !> The byte goes on with a character that began before it.
    pure logical function is_continuation(byte)
       character(1), intent(in) :: byte
 
       is_continuation = iand(ichar(byte), 192) == 128
    end function is_continuation
 
-   !> Bytes of the UTF-8 sequence that text begins with; 0 where it is none (overlong, surrogate,
-   !> ...).
+   !> Bytes of the UTF-8 sequence that text begins with; 0 for none (overlong, surrogate, ...).
    pure integer function sequence_length(text)
       character(*), intent(in) :: text
       integer :: lead, second, i

@@ -3,7 +3,6 @@
 !>
 !> One unit for all is the usual case; a file with gyroscopes and accelerometers has several.
 module gyroakf_io_channel_units
-   use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : class_names, column_class, find_unit, unit_fits
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_place, only : integer_text
@@ -25,8 +24,7 @@ contains
       type(table_type), intent(in) :: table
       !> Its channels are named; `unit`, `channel_unit`, `unit_source` are filled
       type(record_type), intent(inout) :: record
-      !> An unknown unit (invalid_argument), one of another quantity than the channels', too many or
-      !> too few, one of an angle where a rate is read, or the reverse
+      !> invalid_argument: unknown units, of another quantity, of an angle for a rate, or too few
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: unit(:)
       integer :: j
@@ -102,13 +100,11 @@ contains
       fits = [(unit_fits(class_of_channel(table, j), list(min(j, size(list)))), j=1, size(unit))]
       refused = findloc(fits, .false., dim=1)
       if (size(list) == 1 .and. any(fits)) refused = 0
-      if (refused > 0) then
-         call fatal_error(error, status%invalid_argument, "the unit "//list(refused)%name// &
-            " does not fit '"//record%channel(refused)%text//"', by its name or unit in the file "// &
-            "a column of class "//trim(class_names(class_of_channel(table, refused)))// &
-            ": give `columns` or another `unit`")
-         return
-      end if
+      if (refused > 0) call fatal_error(error, status%invalid_argument, "the unit "// &
+         list(refused)%name//" does not fit '"//record%channel(refused)%text// &
+         "', by its name or unit in the file a column of class "// &
+         trim(class_names(class_of_channel(table, refused)))//": give `columns` or another `unit`")
+      if (allocated(error)) return
       do j = 1, size(unit)
          if (fits(j)) unit(j) = list(min(j, size(list)))
       end do

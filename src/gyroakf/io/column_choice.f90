@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Which columns were asked for: by number or by name, with a suggestion where no name fits.
 module gyroakf_io_column_choice
-   use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : class_of, column_class
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : column_names_type, take_name
@@ -62,7 +61,6 @@ contains
       end do
    end function column_named
 
-   !> The error for a name that no column has.
    subroutine refuse_name(word, names, error)
       character(*), intent(in) :: word
       type(column_names_type), intent(in) :: names

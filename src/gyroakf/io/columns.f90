@@ -122,7 +122,6 @@ contains
       end if
    end subroutine join_names
 
-   !> Names that say what is measured.
    pure integer function known_classes(names)
       type(column_names_type), intent(in) :: names
       integer :: i
@@ -175,8 +174,7 @@ contains
       end associate
    end function names_way
 
-   !> "gx [deg/s]" or "gx: deg/s" as name and unit; what stands in brackets at the end belongs to
-   !> the name where it is no unit: "gyro[0]".
+   !> "gx [deg/s]" or "gx: deg/s" as name and unit; "gyro[0]", without a unit, is a name.
    pure subroutine take_name(word, name, unit)
       character(*), intent(in) :: word
       !> The unit is "" where there is none
@@ -227,7 +225,6 @@ contains
       if (has_name) has_name = len(names%name(column)%text) > 0
    end function has_name
 
-   !> The length of [[label_of]].
    pure integer function label_length(names, column)
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column

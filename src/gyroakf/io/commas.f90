@@ -112,8 +112,7 @@ contains
       integer :: comma_at, clock
 
       at = 0
-      call take_visible(bytes, first, last, text)
-      call find_commas(text, comma_at, clock)
+      call find_commas(bytes, first, last, text, comma_at, clock)
       if (comma_at <= 0 .or. clock > 0 .or. scan(text, ".'""") > 0) return
       if (scan(text, parting) == len(text) .and. text(:comma_at) /= "-0,") then
          if (scan(text(comma_at + 1:comma_at + 1), "0") &
@@ -133,8 +132,7 @@ contains
       integer :: i, comma_at, clock
 
       fields = 0
-      call take_visible(bytes, first, last, text)
-      call find_commas(text, comma_at, clock)
+      call find_commas(bytes, first, last, text, comma_at, clock)
       if (comma_at < 0 .or. (clock > 0 .and. clock == len(text) - 1)) return
       parts = " "
       if (index(text, achar(9)) > 0) parts = achar(9)
@@ -145,23 +143,17 @@ contains
       if (text(len(text) - 1:len(text) - 1) /= parts) fields = fields + 1
    end function decimal_fields
 
-   !> A line without the blanks around it, and one blank.
-   pure subroutine take_visible(bytes, first, last, text)
+   !> The visible text of a line and a blank; its first comma, 0 for none, -1 where one is not or a
+   !> point is decimal; and the end of the last word with a comma and a colon, 0 for none.
+   pure subroutine find_commas(bytes, first, last, text, comma_at, clock)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(:), allocatable, intent(out) :: text
-
-      text = bytes_text(bytes, first_visible(bytes, first, last), &
-         last_visible(bytes, first, last))//" "
-   end subroutine take_visible
-
-   !> The first comma of a line, 0 for none, -1 where one is no decimal comma or a point is a
-   !> decimal point; and the end of the last word with a comma and a colon, 0 for none.
-   pure subroutine find_commas(text, comma_at, clock)
-      character(*), intent(in) :: text
       integer, intent(out) :: comma_at, clock
       integer :: from, to, found
 
+      text = bytes_text(bytes, first_visible(bytes, first, last), &
+         last_visible(bytes, first, last))//" "
       comma_at = 0
       clock = 0
       from = 1

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What the user should know of a recording: what each column measures, its range; what is odd, in
-!> words.
+!> What the user should know of a recording: what each column measures, its range; what is odd.
 module gyroakf_io_findings
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
@@ -75,7 +74,6 @@ contains
       if (allocated(text)) call add_text(record%warnings, text)
    end subroutine explain_rates
 
-   !> True where the stamps place the samples.
    pure logical function placed(record)
       type(record_type), intent(in) :: record
 
@@ -83,7 +81,6 @@ contains
       if (placed) placed = record%resample /= "index"
    end function placed
 
-   !> Repeated rows, bursts, a rate that changes.
    subroutine tell_odd(record)
       type(record_type), intent(inout) :: record
 

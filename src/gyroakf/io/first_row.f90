@@ -8,7 +8,8 @@ module gyroakf_io_first_row
    use gyroakf_io_date, only : is_day_first
    use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type, map_row
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_lines
+   use gyroakf_io_labels, only : name_fields
+   use gyroakf_io_marks, only : find_marks, marks_type, strip_lines
    use gyroakf_io_place, only : integer_text, line_error, place_error
    use gyroakf_io_preamble, only : read_preamble
    use gyroakf_io_reader_options, only : reader_options
@@ -49,7 +50,6 @@ contains
       if (.not. allocated(error)) call map_row(table%map, 1_int64, lines%number)
    end subroutine begin_table
 
-   !> Decides on the columns from the first line of numbers.
    subroutine lay_out(lines, options, table, error)
       type(lines_type), intent(inout) :: lines
       type(reader_options), intent(in) :: options
@@ -206,8 +206,7 @@ contains
          ", that of columns "//integer_text(columns)//": a series in each row?", advice)
    end subroutine refuse_long_rows
 
-   !> Takes the names of the header's key `columns`, else the words of a comment or of the
-   !> definition of a record, where their number is right.
+   !> Takes the names of the header's key `columns`, else those that a comment or record may give.
    subroutine take_names(fields, table)
       type(fields_type), intent(in) :: fields
       type(table_type), intent(inout) :: table

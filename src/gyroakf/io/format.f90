@@ -182,7 +182,6 @@ contains
       end do
    end function magic_of
 
-   !> True where these bytes stand there.
    pure logical function begins(bytes, offset, text)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: offset

@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `#
-!> columns: t gx gy gz`.
+!> What comment lines say: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `# columns: t gx gy`.
 !>
 !> The first number counts; a value that cannot be understood is a warning, never an error.
 module gyroakf_io_header
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_column_class, only : noteless_length
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
@@ -116,8 +115,7 @@ contains
       header%rate_hz = x
    end subroutine read_rate
 
-   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is
-   !> `units`, one for each column.
+   !> Key `unit`: the whole value or its first word; or a unit for each column.
    subroutine read_unit(lines, first, last, key, header)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: first, last

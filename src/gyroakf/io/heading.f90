@@ -44,8 +44,8 @@ contains
       end do
    end function only_words
 
-   !> What the fields of a line hold without its marks: "n" a number, right or wrong, "t" a word,
-   !> "-" a word for a missing number.
+   !> What the fields of a line hold: "n" a number, right or wrong, "t" a word, "-" a missing
+   !> number.
    subroutine find_pattern(bytes, first, last, pattern, marks)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -127,7 +127,6 @@ contains
          index(other, "n") > 0 .and. has_fields(fields, len(other))
    end function labels_are_names
 
-   !> True for lines whose first words are equal.
    pure logical function begin_alike(bytes, first, second)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, second

@@ -25,8 +25,7 @@ module gyroakf_io_layout
       integer :: joined = 0
       !> What commas are, see [[gyroakf_io_commas]]: 0 where they part columns
       integer :: commas = 0
-      !> The line of the names, from its first visible byte to the last: where it is met again it is
-      !> no row; unallocated where there is none
+      !> The line of the names: where it is met again it is no row; unallocated where there is none
       integer(int8), allocatable :: heading(:)
       !> Only rows are read that hold this in this column, 0 for all rows
       integer :: where_column = 0

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Which columns are analyzed: gyroscopes, then accelerometers. The others are listed.
 module gyroakf_io_leave_out
-   use gyroakf_kinds, only : int64
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text

@@ -154,7 +154,6 @@ contains
       end do
    end subroutine find_repeats
 
-   !> True where two rows have the same values, none missing.
    pure logical function same_row(value, i, k)
       real(dp), intent(in), contiguous :: value(:, :)
       integer(int64), intent(in) :: i, k

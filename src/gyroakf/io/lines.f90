@@ -138,7 +138,6 @@ contains
       lines%filled = rest
    end subroutine reserve_bytes
 
-   !> Reads behind what is filled.
    subroutine fill(lines, error)
       type(lines_type), intent(inout) :: lines
       type(error_type), allocatable, intent(out) :: error

@@ -5,9 +5,10 @@
 !>
 !> 1. m <= 2^53 and |q| <= 22: one multiplication or division of two exact numbers
 !>    (W. D. Clinger, How to read floating point numbers accurately, 1990);
-!> 2. m times the first 63 bits of 10^q, a lower bound; where the upper bound rounds to the same number, that is the number
-!>    ([[gyroakf_io_quick_number]]);
-!> 3. the C library's `strtod_l` with the C locale: unusual forms, ties, subnormals, very many digits ([[scan_any]]).
+!> 2. m times the first 63 bits of 10^q, a lower bound; where the upper bound rounds to the same
+!>    number, that is the number ([[gyroakf_io_quick_number]]);
+!> 3. the C library's `strtod_l` with the C locale: unusual forms, ties, subnormals, very many
+!>    digits ([[scan_any]]).
 module gyroakf_io_number
    use, intrinsic :: iso_c_binding, only : c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
@@ -139,7 +140,6 @@ contains
       is_sign = byte == iachar("+") .or. byte == iachar("-")
    end function is_sign
 
-   !> The byte after the digits that begin at a byte.
    pure integer(int64) function digits_end(bytes, first) result(next)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first

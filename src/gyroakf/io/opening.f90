@@ -109,7 +109,6 @@ contains
       binary%head = lines%bytes(header%first + 1:count)
    end subroutine begin_npy
 
-   !> The file is as long as its header says.
    subroutine check_size(source, header, shape, error)
       type(source_type), intent(in) :: source
       type(npy_header_type), intent(in) :: header

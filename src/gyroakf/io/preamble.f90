@@ -8,7 +8,8 @@ module gyroakf_io_preamble
    use gyroakf_io_heading, only : alike, begins_with_names, find_pattern, is_setting, &
       labels_are_names, only_words, suppose_names, suppose_record_names, take_heading
    use gyroakf_io_lines, only : next_line, lines_type, more_lines
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields
+   use gyroakf_io_labels, only : name_fields
+   use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : reader_options
@@ -61,9 +62,8 @@ contains
             else if ((4*marks%labels <= len(pattern)/2 .or. &
                labels_are_names(lines, pattern)) .and. only_words(lines)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(lines%to, lines%at + 3)))
-               if (word /= "sep=" .and. .not. names_wanted(options, table%names)) then
+               if (word /= "sep=" .and. .not. names_wanted(options, table%names)) &
                   call take_heading(lines, table%names%line < setting, table%names, table%layout)
-               end if
             else if (skipped_by_where(lines, options, table)) then
                continue
             else if (.not. allocated(options%where) .and. is_setting(lines, pattern, marks)) then
@@ -85,8 +85,7 @@ contains
          "give one row of numbers per sample; lines that begin with # % ; // are comments")
    end subroutine read_preamble
 
-   !> A setting between names and rows: words above it are no names, unless there are as many of
-   !> them as columns, which is an error.
+   !> A setting between names and rows: words above it are no names; as many as columns: an error.
    subroutine check_names(columns, setting, equal, table, error)
       integer, intent(in) :: columns
       integer(int64), intent(in) :: setting
@@ -98,10 +97,8 @@ contains
       call add_text(table%warnings, "what stands above line "//integer_text(setting + 1)// &
          " is taken for settings", note=.true.)
       if (table%names%line > setting) return
-      if (count_names(table%names) == columns .or. equal) then
-         call line_error(error, table%name, setting, &
-            "the line is neither a row nor names, and stands between both", "mend the line")
-      end if
+      if (count_names(table%names) == columns .or. equal) call line_error(error, table%name, &
+         setting, "the line is neither a row nor names, and stands between both", "mend the line")
       table%names%known = .false.
    end subroutine check_names
 
@@ -116,8 +113,7 @@ contains
          options%where(index(options%where, "=", back=.true.) + 1:), i=1, count_names(names))])
    end function names_wanted
 
-   !> True for a row that `options%where` leaves out, where its column is known; a row whose label
-   !> is the value is not left out.
+   !> True for a row that `options%where` leaves out; one whose label is the value stays.
    logical function skipped_by_where(lines, options, table) result(skipped)
       type(lines_type), intent(in) :: lines
       type(reader_options), intent(in) :: options

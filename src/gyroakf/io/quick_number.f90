@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Decimal numbers of the usual forms, correctly rounded or not at all: the first two paths of
-!> [[gyroakf_io_number]].
+!> Usual decimal numbers, correctly rounded or not at all: the first paths of [[gyroakf_io_number]].
 !>
 !> Usual are `[+-] [digits] [. digits] [e|E|d|D [+-] digits]` with up to 15 digits before the point,
 !> no more digits than an integer of 64 bits without a sign holds, fewer than 24 behind the point,
@@ -45,17 +44,12 @@ module gyroakf_io_quick_number
    !> The largest number before which eight more digits do not overflow
    integer(int64), parameter :: most_before_eight = 92233720367_int64
    !> With n digits more a number stays in 2^53 up to here
-   integer(int64), parameter :: exact_before(0:7) = [9007199254740992_int64, &
-      900719925474098_int64, 90071992547408_int64, 9007199254739_int64, 900719925473_int64, &
-      90071992546_int64, 9007199253_int64, 900719924_int64]
+   integer(int64), parameter :: exact_before(0:7) = [((2_int64**53 - ten(i) + 1)/ten(i), i=0, 7)]
    !> 10^n as half(n) * 2^twos(n), and the largest number of which half(n) times it, and half of n
    !> digits more, does not overflow
-   integer(int64), parameter :: half(0:7) = [1_int64, 5_int64, 50_int64, 500_int64, 5000_int64, &
-      50000_int64, 500000_int64, 5000000_int64]
-   integer, parameter :: twos(0:7) = [0, 1, 1, 1, 1, 1, 1, 1]
-   integer(int64), parameter :: most_before(0:7) = [9223372036854775807_int64, &
-      1844674407370955160_int64, 184467440737095515_int64, 18446744073709550_int64, &
-      1844674407370954_int64, 184467440737094_int64, 18446744073708_int64, 1844674407369_int64]
+   integer, parameter :: twos(0:7) = [0, (1, i=1, 7)]
+   integer(int64), parameter :: half(0:7) = [(ten(i)/2**twos(i), i=0, 7)]
+   integer(int64), parameter :: most_before(0:7) = [((huge(half) - half(i) + 1)/half(i), i=0, 7)]
 
 contains
 
@@ -214,8 +208,7 @@ contains
       q = q + merge(-exponent, exponent, minus)
    end subroutine take_any_exponent
 
-   !> (2^twos * m + odd) * 10^q, rounded to nearest; -1 where 63 bits of the power of ten do not
-   !> tell, and for zero.
+   !> (2^twos * m + odd) * 10^q to nearest; -1 where 63 bits of 10^q do not tell, and for zero.
    !>
    !> The product of `top`, m shifted to 63 bits, and the truncated power falls short of the true
    !> one by less than 3 in its upper half: where all numbers between them round to the same, that

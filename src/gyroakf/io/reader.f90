@@ -97,9 +97,8 @@ contains
             call report_progress("completing the record", 0_int64, 0_int64, error, progress)
          if (.not. allocated(error)) &
             call make_rates(record, options%input, options%scale, error, wrap)
-         if (.not. allocated(error) .and. .not. record%audit%stamp_rate > 0.0_dp) then
+         if (.not. allocated(error) .and. .not. record%audit%stamp_rate > 0.0_dp) &
             call cut(record, options%from, options%to, error)
-         end if
          if (.not. allocated(error)) &
             call audit_values(record%value, record%present, record%audit, error, progress)
          if (.not. allocated(error)) call refuse_tiny(record, error)
@@ -107,7 +106,6 @@ contains
       end associate
    end subroutine complete_record
 
-   !> Moves the columns that hold numbers into the record.
    subroutine take_values(options, table, record, stamps, error)
       type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table

@@ -18,8 +18,8 @@ module gyroakf_io_reader_options
    type :: reader_options
       !> Hz; 0: from the time stamps or the header
       real(dp) :: rate_hz = 0.0_dp
-      !> Of the values after `scale`: "deg/s" for all channels, or one for each, separated by
-      !> commas; unallocated: from the header, or unknown
+      !> Of the scaled values: "deg/s", or one for each channel, "deg/s,g"; unallocated: from the
+      !> header
       character(:), allocatable :: unit
       !> "rate" (also where unallocated), "increment" (angle per sample) or "angle"
       character(:), allocatable :: input
@@ -78,11 +78,10 @@ contains
       character(:), allocatable :: wrong
 
       if (allocated(options%wrap)) then
-         known = options%wrap == "auto" .or. options%wrap == "none"
-         if (.not. known) call parse_number(options%wrap, modulus, found)
-         if (.not. known) known = found == number%ok .and. modulus > 0.0_dp
-         if (.not. known) wrong = "angles cannot wrap at '"//options%wrap// &
-            "'; known are auto, none and positive numbers"
+         call parse_number(options%wrap, modulus, found)
+         known = any(options%wrap == ["auto", "none"]) .or. modulus > 0.0_dp
+         if (.not. known .or. found == number%overflow) wrong = "angles cannot wrap at '"// &
+            options%wrap//"'; known are auto, none and positive numbers"
       end if
       if (allocated(options%input)) then
          known = any(options%input == [character(9) :: "rate", "increment", "angle"])

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A recording that is open: what stands above its rows is known, these are read as far as memory
-!> allows.
+!> An open recording: what stands above its rows is known, these are read as memory allows.
 module gyroakf_io_recording
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -73,7 +72,6 @@ contains
       call begin_rows(path, recording, error)
    end subroutine open_recording
 
-   !> Finds the format and reads what stands above the rows.
    subroutine begin_rows(path, recording, error)
       character(*), intent(in) :: path
       type(recording_type), intent(inout) :: recording
@@ -131,8 +129,8 @@ contains
 
       call check_use("binary", recording, error)
       if (allocated(error)) return
-      call begin_raw(recording%lines%source, path, recording%options, &
-         max(1_int64, recording%options%channels), element, recording%binary, recording%table, error)
+      call begin_raw(recording%lines%source, path, recording%options, max(1_int64, &
+         recording%options%channels), element, recording%binary, recording%table, error)
       recording%format = trim(element_word(element))
       recording%stored_type = trim(element_name(element))
       recording%expected_rows = max(0_int64, recording%binary%rows)
@@ -181,7 +179,8 @@ contains
       if (kind == "npy" .and. recording%options%skip > 0) &
          what = "`skip` is for text (lines) and raw numbers (bytes)"
       if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
-      if (kind /= "binary" .and. recording%options%channels > 0) what = "`channels` is for raw numbers"
+      if (kind /= "binary" .and. recording%options%channels > 0) &
+         what = "`channels` is for raw numbers"
       if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "// &
          what//", and this is "//trim(kind))
    end subroutine check_use
@@ -290,7 +289,6 @@ contains
          trim(merge("free   ", "allowed", recording%options%memory_found))
    end subroutine say_too_large
 
-   !> A size in GB or MB, as [[bytes_text]] says it.
    pure real(dp) function in_unit(bytes)
       integer(int64), intent(in) :: bytes
 

@@ -129,7 +129,6 @@ contains
       end associate
    end function agrees
 
-   !> True where the line has the columns of the file.
    pure logical function fits(layout, fields)
       type(layout_type), intent(in) :: layout
       type(fields_type), intent(in) :: fields
@@ -166,7 +165,6 @@ contains
       end if
    end subroutine read_field
 
-   !> The stamp in first:last, NaN where it is missing.
    pure subroutine read_stamp(bytes, first, last, layout, column, value, wrong)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last

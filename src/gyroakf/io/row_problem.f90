@@ -38,7 +38,7 @@ contains
       call scan_number(bytes, p, x, found)
       if (kind == stamp_kind%clock) then
          what = what//" is not a time of day as in the first row"
-      else if (all(kind /= [stamp_kind%number, stamp_kind%long, stamp_kind%nano, stamp_kind%micro])) then
+      else if (any(kind == [stamp_kind%date, stamp_kind%moment])) then
          what = what//" is not a date as in the first row"
       else if (kind == stamp_kind%number .and. found /= number%none .and. p == last + 1) then
          what = "the number "//what//" is too large (at most 1.8e308)"
@@ -47,7 +47,8 @@ contains
          if (kind /= stamp_kind%number) then
             continue
          else if (kind_of_field(bytes, first, last) /= stamp_kind%number) then
-            advice = "the first row has a number in this column, not a date or a time of day; "//mend
+            advice = "the first row has a number in this column, not a date or a time of day; "// &
+               mend
          else if (has_label(text)) then
             advice = "the labels are not those of the first row; "//mend
          else if (last > first .and. verify(text, "0123456789ABCDEFabcdef") == 0) then

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Rows of numbers: the fast way through the lines that hold numbers only; [[gyroakf_io_row]] is the
-!> careful way through the rest.
+!> Rows of numbers, the fast way; [[gyroakf_io_row]] is the careful way through other lines.
 !>
 !> Both work on a block of whole lines and know nothing of files: blocks go to several threads.
 module gyroakf_io_rows

@@ -164,8 +164,7 @@ contains
       if (stat == 0) field(:, :) = all_fields(:rows, :)
    end subroutine first_rows
 
-   !> The number of values that a column goes through again and again while the stamps repeat in
-   !> most rows; 0 where it does not.
+   !> The number of values that a column repeats while stamps repeat in most rows; 0 if it does not.
    pure integer function alternating(field, stamp, known) result(period)
       type(text_type), intent(in) :: field(:), stamp(:)
       logical, intent(in) :: known

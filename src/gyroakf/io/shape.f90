@@ -274,7 +274,6 @@ contains
       call keep_rows(record, first, last, error)
    end subroutine cut
 
-   !> Keeps some of the samples.
    subroutine keep_rows(record, first, last, error)
       type(record_type), intent(inout) :: record
       integer(int64), intent(in) :: first, last

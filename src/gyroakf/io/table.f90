@@ -167,7 +167,6 @@ contains
       end associate
    end subroutine choose_by_class
 
-   !> True for a column of dates or times of day.
    elemental logical function is_stamp(kind)
       integer, intent(in) :: kind
 

@@ -91,7 +91,6 @@ contains
       end do
    end subroutine skip_blanks
 
-   !> True for a byte that ends a field, even an empty one.
    pure logical function separates(byte, way)
       integer(int8), intent(in) :: byte
       integer, intent(in) :: way

@@ -16,7 +16,7 @@ module gyroakf_io_text_rows
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : layout_type, problem_type, read_row
    use gyroakf_io_source, only : has_places, read_block, read_piece, source_left
-   use gyroakf_io_span, only : read_span, span_type
+   use gyroakf_io_span, only : copy_rows, read_span, span_type
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_type
    use gyroakf_io_text, only : fields_type, line_end_from
@@ -103,7 +103,6 @@ contains
             lines%filled = lines%filled + got
             lines%ended = got < wanted
             if (lines%ended) call end_last_line(lines, error)
-            if (allocated(error)) return
          end if
       end if
       block%last = lines%filled
@@ -116,7 +115,6 @@ contains
       if (.not. allocated(block%span)) allocate (block%span(2*block%pieces + 1))
    end subroutine begin_block
 
-   !> Reads the pieces and the whole lines within them.
    subroutine read_pieces(lines, table, block)
       type(lines_type), intent(inout) :: lines
       type(table_type), intent(in) :: table
@@ -278,18 +276,6 @@ contains
          chunk%rows = chunk%rows + rows
       end associate
    end subroutine join_spans
-
-   !> Copies the rows of a span behind a row of a chunk.
-   pure subroutine copy_rows(span, before, value)
-      type(span_type), intent(in) :: span
-      integer(int64), intent(in) :: before
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer :: j
-
-      do j = 1, merge(size(value, 2), 0, span%rows > 0)
-         value(before + 1:before + span%rows, j) = span%value(:span%rows, j)
-      end do
-   end subroutine copy_rows
 
    !> So many rows may be to come, those of this block included, but not many more than are wanted.
    pure integer(int64) function expected_rows(lines, table, rows, missing) result(expected)

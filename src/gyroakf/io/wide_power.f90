@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Powers of ten to 126 bits, exactly truncated, to write numbers with; and to 63 bits, to read most
-!> with.
+!> Powers of ten, exactly truncated: to 126 bits for writing numbers, to 63 for reading most.
 !>
 !> 10^k is the product of one of 36 powers 10^(18 a), held truncated to 186 bits, and of an exact
 !> one below 10^18. The product differs from the true power by less than 2^-60 of the last of 126
@@ -66,8 +65,7 @@ module gyroakf_io_wide_power
    !> 10^0 to 10^17, with the highest bit moved to the place of 2^61
    integer(int64), parameter :: fine(0:17) = [(shiftl(ten(b), leadz(ten(b)) - 2), b=0, 17)]
 
-   !> 10^(18 a + b): the first 124 bits of 10^(18 a), the last 62 by their upper half only, times
-   !> 10^b
+   !> 10^(18 a + b): the first 124 bits of 10^(18 a), 62 by their upper half only, times 10^b
    integer(int128), parameter :: product(-306:305) = [((int(word(1, a), &
       int128)*fine(b) + shiftr(int(word(2, a), int128)*fine(b), 62), b=0, 17), a=-17, 16)]
 
@@ -78,8 +76,7 @@ module gyroakf_io_wide_power
 
 contains
 
-   !> The first 126 bits of 10^k: it is between bits and bits + 1, times 2^[[power_scale]]; bits is
-   !> in [2^125, 2^126).
+   !> 10^k is between bits and bits + 1, times 2^[[power_scale]]; bits is in [2^125, 2^126).
    pure subroutine wide_power(k, bits)
       !> least_power to most_power
       integer, intent(in) :: k
