@@ -95,8 +95,8 @@ contains
          found = column_class%acceleration
       else
          found = class_of_words(word, joined)
-         if (found == column_class%unknown .and. known%quantity == quantity%angle) &
-            found = column_class%angle
+         if (found == column_class%unknown .and. known%quantity == quantity%angle) found = &
+            column_class%angle
          if (found == column_class%unknown .and. (known%quantity == quantity%velocity .or. &
             is_one_of(lower(unit), "m km cm mm ft"))) found = column_class%position
       end if

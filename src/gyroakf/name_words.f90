@@ -33,8 +33,8 @@ contains
          if (begins_word(name, i)) then
             do k = 1, size(endings)
                ending = trim(endings(k))
-               if (.not. (ends_with(text, "time"//ending) .or. ends_with(text, "stamp"//ending))) &
-                  cycle
+               if (.not. (ends_with(text, "time"//ending) .or. &
+                  ends_with(text, "stamp"//ending))) cycle
                call add_text(word, text(:len(text) - len(ending)))
                text = ending
             end do

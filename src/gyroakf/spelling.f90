@@ -68,12 +68,8 @@ contains
 
       d(-1, :) = len(a) + len(b)
       d(:, -1) = len(a) + len(b)
-      do i = 0, len(a)
-         d(i, 0) = i
-      end do
-      do j = 0, len(b)
-         d(0, j) = j
-      end do
+      d(0:, 0) = [(i, i=0, len(a))]
+      d(0, 0:) = [(j, j=0, len(b))]
       do j = 1, len(b)
          do i = 1, len(a)
             cost = merge(0, 1, a(i:i) == b(j:j))

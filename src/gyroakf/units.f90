@@ -94,8 +94,8 @@ contains
       call make_plain(plain)
       call take_meaning(plain)
       do i = 1, size(others)
-         if (plain == trim(others(i)%name)) &
-            call set_unit(unit, plain, others(i)%quantity, others(i)%to_si)
+         if (plain == trim(others(i)%name)) call set_unit(unit, plain, others(i)%quantity, &
+            others(i)%to_si)
       end do
       if (unit%quantity /= quantity%unknown) return
       slash = index(plain//"/", "/")

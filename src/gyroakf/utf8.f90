@@ -12,10 +12,7 @@ contains
       character(*), intent(in) :: text
       integer :: i
 
-      text_width = 0
-      do i = 1, len(text)
-         if (.not. is_continuation(text(i:i))) text_width = text_width + 1
-      end do
+      text_width = count([(.not. is_continuation(text(i:i)), i=1, len(text))])
    end function text_width
 
    pure logical function is_continuation(byte)

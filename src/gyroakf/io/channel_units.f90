@@ -122,8 +122,8 @@ contains
       if (allocated(table%header%units)) listed = size(table%header%units)
       if (listed == 0) then
          do j = 1, size(unit)
-            if (unit_fits(class_of_channel(table, j), table%header%unit)) &
-               unit(j) = table%header%unit
+            if (unit_fits(class_of_channel(table, j), table%header%unit)) unit(j) = &
+               table%header%unit
          end do
          if (all(unit%quantity == quantity%unknown)) unit(:) = table%header%unit
          return

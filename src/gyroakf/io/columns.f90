@@ -116,8 +116,9 @@ contains
             end if
             if (len(names%unit(i)%text) == 0) names%unit(i)%text = unit
             if (len(names%name(i)%text) == 0) names%name(i)%text = group
-            if (names%name(i)%text /= group .and. len(group) > 0) &
+            if (names%name(i)%text /= group .and. len(group) > 0) then
                names%name(i)%text = group//" "//names%name(i)%text
+            end if
          end do
       end if
    end subroutine join_names

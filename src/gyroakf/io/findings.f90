@@ -26,9 +26,9 @@ contains
 
       count = [record%audit%duplicates, record%audit%backward_steps, record%audit%gaps]
       do k = 1, 3
-         if (count(k) > 0) &
-            call add_text(record%warnings, "the time column shows "//counted(count(k), &
-            trim(what(k)))//"; the first is in line "//integer_text(record%audit%line_of_first(k)))
+         if (count(k) > 0) call add_text(record%warnings, "the time column shows "// &
+            counted(count(k), trim(what(k)))//"; the first is in line "// &
+            integer_text(record%audit%line_of_first(k)))
       end do
       if (record%audit%jumps > 0) call add_text(record%warnings, &
          "a jump of the time stamps is too long to be filled with missing samples; the parts "// &
@@ -57,8 +57,8 @@ contains
       character(:), allocatable :: text
 
       associate (audit => record%audit)
-         if (audit%beats > 0) &
-            text = "the time stamps make a double step in "//counted(audit%beats, "place")// &
+         if (audit%beats > 0) text = "the time stamps make a double step in "// &
+            counted(audit%beats, "place")// &
             ", as those of a clock do that is too coarse for the rate, or of lost samples; "// &
             trim(merge("the stamps place the samples, as was asked             ", &
             "the samples are taken as evenly spaced at the mean rate", placed(record)))
@@ -88,15 +88,15 @@ contains
          if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")// &
             " with stamp and values of the row above: left out; the first is in line "// &
             integer_text(audit%line_of_repeat), note=.true.)
-         if (audit%untimed > 0 .and. audit%has_stamps) &
-            call add_text(record%warnings, counted(audit%untimed, "row")// &
-            " without a time: left out; the first is in line "//integer_text(audit%line_of_untimed))
+         if (audit%untimed > 0 .and. audit%has_stamps) call add_text(record%warnings, &
+            counted(audit%untimed, "row")//" without a time: left out; the first is in line "// &
+            integer_text(audit%line_of_untimed))
          if (audit%rollovers > 0) call add_text(record%warnings, "the time starts again after "// &
             format_real(audit%rollover_period, 12)//" s in "//counted(audit%rollovers, "place")// &
             " and is continued; the first is in line "//integer_text(audit%line_of_rollover), &
             note=.true.)
-         if (audit%bursts > 0) &
-            call add_text(record%warnings, "samples were delivered late and several at once in "// &
+         if (audit%bursts > 0) call add_text(record%warnings, &
+            "samples were delivered late and several at once in "// &
             counted(audit%bursts, "place")//", up to "//integer_text(audit%longest_burst)// &
             " at once; the first is in line "//integer_text(audit%line_of_burst))
          if (audit%rate_changes > 0) call add_text(record%warnings, "the rate changes from "// &
@@ -141,19 +141,21 @@ contains
                if (len(column%unit) == 0 .and. allocated(unit%name) .and. &
                   unit%quantity /= quantity%angle) column%unit = unit%name
             end if
-            if (len(column%unit) == 0 .and. size(table%header%units) == size(record%column)) &
+            if (len(column%unit) == 0 .and. size(table%header%units) == size(record%column)) then
                column%unit = table%header%units(j)%text
+            end if
             column%class = trim(class_names(table%class(j)))
             slot = table%layout%slot(j)
-            if (slot > 0 .and. table%time > 0) &
-               column%is_time = slot == table%layout%slot(table%time)
-            if (slot >= 1 .and. slot <= size(keep)) &
-               column%channel = merge(count(keep(:slot)), column%channel, keep(slot))
+            if (slot > 0 .and. table%time > 0) column%is_time = &
+               slot == table%layout%slot(table%time)
+            if (slot >= 1 .and. slot <= size(keep)) then
+               if (keep(slot)) column%channel = count(keep(:slot))
+            end if
             column%minimum = ieee_value(1.0_dp, ieee_quiet_nan)
             column%maximum = column%minimum
             column%step = column%minimum
-            if (ranges .and. slot > 0) &
-               call find_range(table%store, slot, column%minimum, column%maximum, column%step)
+            if (ranges .and. slot > 0) call find_range(table%store, slot, column%minimum, &
+               column%maximum, column%step)
             if (column%is_time) column%minimum = column%minimum + real(table%layout%origin, dp)
             if (column%is_time) column%maximum = column%maximum + real(table%layout%origin, dp)
          end associate

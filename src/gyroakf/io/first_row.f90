@@ -42,8 +42,8 @@ contains
       call read_preamble(lines, options, table, error)
       if (allocated(error)) return
       allocate (as_read, source=lines%bytes, stat=failed)
-      if (failed /= 0) &
-         call fatal_error(error, status%no_memory, "no memory for the first rows of "//table%name)
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for the first rows of "//table%name)
       if (allocated(error)) return
       call lay_out(lines, options, table, error)
       if (table%layout%marked) call move_alloc(as_read, lines%bytes)
@@ -66,10 +66,10 @@ contains
       call settle_commas(lines, options%decimal_comma, table, error)
       if (allocated(error)) return
       call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
-      if (fields%count > most_columns) &
-         call place_error(error, table%name, lines%number, lines%bytes, lines%at, lines%to, &
-         fields%first(most_columns + 1), integer_text(fields%count)//" columns, there may be "// &
-         integer_text(most_columns), "give one row of numbers per sample: have line ends got lost?")
+      if (fields%count > most_columns) call place_error(error, table%name, lines%number, &
+         lines%bytes, lines%at, lines%to, fields%first(most_columns + 1), &
+         integer_text(fields%count)//" columns, there may be "//integer_text(most_columns), &
+         "give one row of numbers per sample: have line ends got lost?")
       if (allocated(error)) return
       call refuse_ambiguous_dates(lines, options, fields, table, error)
       if (allocated(error)) return
@@ -111,8 +111,8 @@ contains
       end if
       call find_kinds(lines%bytes, fields, table%layout)
       call first_rows(lines%bytes, lines%at, lines%last, table%layout, field, failed)
-      if (failed /= 0) &
-         call fatal_error(error, status%no_memory, "no memory for the first rows of "//table%name)
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for the first rows of "//table%name)
       if (allocated(error)) return
       texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), &
          j=1, size(field, 2))]
@@ -152,10 +152,10 @@ contains
       call name_fields(raw, lines%at, fields, table%names, array)
       if (table%names%line == 0) table%names%line = lines%number
       if (array > 0 .and. lines%to + 1 == lines%filled) array = -array
-      if (.not. any(array == [0, 2, 3, 4, 6, 9])) &
-         call place_error(error, table%name, lines%number, raw, lines%at, lines%to, lines%at, &
-         "an array of "//integer_text(abs(array))// &
-         " values in one row: axes, or successive samples?", "write one row of numbers per sample")
+      if (.not. any(array == [0, 2, 3, 4, 6, 9])) call place_error(error, table%name, &
+         lines%number, raw, lines%at, lines%to, lines%at, "an array of "// &
+         integer_text(abs(array))//" values in one row: axes, or successive samples?", &
+         "write one row of numbers per sample")
    end subroutine take_marks
 
    !> Dates with an ambiguous order of day and month are an error, unless the columns were chosen.

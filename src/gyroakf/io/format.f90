@@ -176,8 +176,8 @@ contains
       found = 0
       at = 512
       do while (at < size(bytes, kind=int64) .and. found == 0)
-         if (begins(bytes, at, hdf5_magic)) &
-            found = findloc(magics%bytes == hdf5_magic, .true., dim=1)
+         if (begins(bytes, at, hdf5_magic)) found = findloc(magics%bytes == hdf5_magic, .true., &
+            dim=1)
          at = 2*at
       end do
    end function magic_of

@@ -44,8 +44,7 @@ contains
       end do
    end function only_words
 
-   !> What the fields of a line hold: "n" a number, right or wrong, "t" a word, "-" a missing
-   !> number.
+   !> What the fields of a line hold: "n" a number, right or wrong, "t" a word, "-" a missing one.
    subroutine find_pattern(bytes, first, last, pattern, marks)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -147,10 +146,8 @@ contains
       integer :: j
 
       alike = len(pattern) == len(other)
-      do j = 1, merge(len(pattern), 0, alike)
-         alike = alike .and. &
-            (pattern(j:j) == other(j:j) .or. scan(pattern(j:j)//other(j:j), "- ") > 0)
-      end do
+      if (alike) alike = all([(pattern(j:j) == other(j:j) .or. &
+         scan(pattern(j:j)//other(j:j), "- ") > 0, j=1, len(pattern))])
    end function alike
 
    !> True for names between semicolons of which the first is empty.
@@ -158,8 +155,8 @@ contains
       type(lines_type), intent(in) :: lines
 
       begins_with_names = begins_with_semicolon(lines%bytes, lines%at, lines%to)
-      if (begins_with_names) &
-         begins_with_names = count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1
+      if (begins_with_names) begins_with_names = &
+         count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1
       if (begins_with_names) begins_with_names = only_words(lines)
    end function begins_with_names
 
@@ -171,10 +168,11 @@ contains
 
       begins = is_digit(bytes(at)) .or. bytes(at) == 43 .or. bytes(at) == 45
       if (bytes(at) == 46) begins = is_digit(bytes(at + 1))
-      if (bytes(at) == -30_int8) &
-         begins = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
-      if (any(bytes(at) == [40_int8, 60_int8, 91_int8])) &
-         begins = begins_like_number(bytes, at + 1) .and. bytes(at + 2) /= 93
+      if (bytes(at) == -30_int8) begins = bytes(at + 1) == -120_int8 .and. &
+         bytes(at + 2) == -110_int8
+      if (any(bytes(at) == iachar(["(", "<", "["]))) then
+         begins = begins_like_number(bytes, at + 1) .and. bytes(at + 2) /= iachar("]")
+      end if
    end function begins_like_number
 
    !> Takes in a line of words: names, units below them, names below a title or groups of columns.
@@ -192,8 +190,8 @@ contains
       if (taken) return
       above = names
       call read_names(lines%bytes, lines%at, lines%to, lines%number, names)
-      if (above%known .and. count_names(above) == count_names(names) .and. .not. behind_setting) &
-         call join_names(above, names)
+      if (above%known .and. count_names(above) == count_names(names) .and. &
+         .not. behind_setting) call join_names(above, names)
       associate (bytes => lines%bytes)
          layout%heading = &
             bytes(first_visible(bytes, lines%at, lines%to):last_visible(bytes, lines%at, lines%to))
@@ -247,8 +245,8 @@ contains
       do i = 1, size(names%name)
          if (len(names%name(i)%text) == 0) cycle
          if (scan(names%name(i)%text(1:1), "+-0123456789") > 0) return
-         if (names%name(i)%text(1:1) == "." .and. scan(names%name(i)%text, "0123456789") == 2) &
-            return
+         if (names%name(i)%text(1:1) == "." .and. &
+            scan(names%name(i)%text, "0123456789") == 2) return
       end do
       supposed = names
    end subroutine suppose_names
@@ -272,8 +270,8 @@ contains
       if (j > fields%count - 2) return
       call read_names(bytes, fields%first(j + 1), fields%last(fields%count), line, names)
       do j = 1, size(names%name)
-         if (verify(names%name(j)%text(:min(1, len(names%name(j)%text))), "+-.0123456789") == 0) &
-            return
+         if (verify(names%name(j)%text(:min(1, len(names%name(j)%text))), &
+            "+-.0123456789") == 0) return
       end do
       supposed = names
    end subroutine suppose_record_names

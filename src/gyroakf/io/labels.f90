@@ -41,8 +41,8 @@ contains
       gap = bytes_text(bytes, first, fields%first(1) - 1)
       start = scan(gap, ":=", back=.true.)
       base = min(minval(depth(:n)), minval(lowest(2:n)))
-      if (start > 0) &
-         base = min(base, depth(1) - count([(scan(gap(j:j), "[({") > 0, j=start + 1, len(gap))]))
+      if (start > 0) base = min(base, &
+         depth(1) - count([(scan(gap(j:j), "[({") > 0, j=start + 1, len(gap))]))
       cell(1) = 1
       do j = 2, n
          cell(j) = cell(j - 1) + merge(1, 0, min(depth(j), lowest(j)) <= base)

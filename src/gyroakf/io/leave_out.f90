@@ -76,11 +76,11 @@ contains
       else
          analyzed = class == column_class%unknown .or. class == column_class%acceleration
       end if
-      if (.not. any(analyzed)) &
-         analyzed = class /= column_class%text .and. class /= column_class%time .and. &
-         class /= column_class%temperature .and. class /= column_class%counter
-      if (.not. any(analyzed)) &
-         analyzed = class /= column_class%text .and. class /= column_class%time
+      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. &
+         class /= column_class%time .and. class /= column_class%temperature .and. &
+         class /= column_class%counter
+      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. &
+         class /= column_class%time
       if (.not. any(analyzed)) analyzed = class /= column_class%text
    end function analyzed_columns
 

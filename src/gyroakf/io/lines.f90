@@ -83,8 +83,8 @@ contains
                            .and. .not. any(lines%bytes(:lines%filled - 1) == line_feed)
       call find_last(lines, lines%at)
       allocate (lines%head(lines%last), stat=failed)
-      if (failed /= 0) &
-         call fatal_error(error, status%no_memory, "no memory for the beginning of "//path)
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for the beginning of "//path)
       if (failed == 0) lines%head(:) = lines%bytes(:lines%last)
    end subroutine open_lines
 

@@ -71,8 +71,8 @@ contains
             ! ">gx:1", "->"
             fresh = p == first
          else if ((fresh .and. is_in(sign, opening)) .or. is_in(sign, closing) .or. bar) then
-            if (marks%values > 0) &
-               pending = mixed(pending, int(iachar(sign) + 256*marks%values, int64))
+            if (marks%values > 0) pending = mixed(pending, &
+               int(iachar(sign) + 256*marks%values, int64))
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p) = blank
             if (is_in(sign, closing) .and. is_in(next, quotes)) to = min(p + 1, last)
@@ -94,8 +94,8 @@ contains
             if (fresh) then
                marks%labels = marks%labels + 1
                do i = p, to
-                  if (bytes(i) /= blank) &
-                     marks%skeleton = mixed(marks%skeleton, int(bytes(i), int64))
+                  if (bytes(i) /= blank) marks%skeleton = mixed(marks%skeleton, &
+                     int(bytes(i), int64))
                end do
                if (erase) bytes(p:to) = blank
             else

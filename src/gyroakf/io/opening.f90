@@ -54,8 +54,8 @@ contains
          if (rest > 0) call refuse_rest(binary, source%name, binary%rows, rest, error)
          if (allocated(error)) return
       end if
-      if (source%length > 0 .and. .not. associated(source%bytes)) &
-         binary%descriptor = source%descriptor
+      if (source%length > 0 .and. .not. associated(source%bytes)) binary%descriptor = &
+         source%descriptor
       if (binary%descriptor < 0) call skip_bytes(binary, source, options%skip, error)
    end subroutine begin_raw
 
@@ -99,8 +99,8 @@ contains
       if (turned) call add_text(table%warnings, "the array's shape is "//shape// &
          ": the longer side is taken for the time, its "//integer_text(binary%columns)// &
          " rows for the channels; save array.T to have it beyond doubt")
-      if (lines%source%length > 0 .and. .not. associated(lines%source%bytes)) &
-         binary%descriptor = lines%source%descriptor
+      if (lines%source%length > 0 .and. .not. associated(lines%source%bytes)) binary%descriptor = &
+         lines%source%descriptor
       if (binary%descriptor >= 0) return
       if (lines%bytes(header%first) /= 10_int8) call fatal_error(error, status%parse, table%name// &
          ": byte "//integer_text(header%first - 1)//": the header does not end with a line feed"// &
@@ -121,10 +121,12 @@ contains
          ": the array is empty, shape "//shape)
       if (allocated(error)) return
       promise = "the header's shape "//shape//" of "//trim(element_name(header%element))
-      if (header%shape(1) > (huge(1_int64) - header%first)/header%shape(2)/header%element%bytes) &
+      if (header%shape(1) > &
+          (huge(1_int64) - header%first)/header%shape(2)/header%element%bytes) then
          call fatal_error(error, status%parse, source%name//": "//promise// &
-         " is larger than any file"//new_line("a")//"save it again with numpy.save")
-      if (allocated(error)) return
+            " is larger than any file"//new_line("a")//"save it again with numpy.save")
+         return
+      end if
       if (source%length <= 0) return
       bytes = header%first + header%shape(1)*header%shape(2)*header%element%bytes
       if (source%length < bytes) then

@@ -62,8 +62,9 @@ contains
             else if ((4*marks%labels <= len(pattern)/2 .or. &
                labels_are_names(lines, pattern)) .and. only_words(lines)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(lines%to, lines%at + 3)))
-               if (word /= "sep=" .and. .not. names_wanted(options, table%names)) &
+               if (word /= "sep=" .and. .not. names_wanted(options, table%names)) then
                   call take_heading(lines, table%names%line < setting, table%names, table%layout)
+               end if
             else if (skipped_by_where(lines, options, table)) then
                continue
             else if (.not. allocated(options%where) .and. is_setting(lines, pattern, marks)) then

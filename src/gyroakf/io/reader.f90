@@ -82,25 +82,26 @@ contains
          call take_values(options, table, record, stamps, error)
          if (.not. allocated(error)) call use_stamps(options, table, stamps, record, gaps, error)
          if (.not. allocated(error)) call set_rate(options, table, record, error)
-         if (.not. allocated(error)) &
-            call report_progress("completing the record", 0_int64, 0_int64, error, progress)
+         if (.not. allocated(error)) call report_progress("completing the record", 0_int64, &
+            0_int64, error, progress)
          if (.not. allocated(error)) call place_samples(options, table, stamps, gaps, record, error)
          if (.not. allocated(error)) call mark_missing(record, &
             largest_value/max(1.0_dp, abs(options%scale)), error, progress)
-         if (.not. allocated(error)) &
-            call set_units(options%unit, options%input, table, record, error)
+         if (.not. allocated(error)) call set_units(options%unit, options%input, table, record, &
+            error)
          wrap = wrap_of(options, table)
          if (.not. allocated(error) .and. options%input == "angle" .and. wrap <= 0.0_dp) then
             if (.not. allocated(options%wrap)) call warn_of_wraps(record)
          end if
-         if (.not. allocated(error)) &
-            call report_progress("completing the record", 0_int64, 0_int64, error, progress)
-         if (.not. allocated(error)) &
-            call make_rates(record, options%input, options%scale, error, wrap)
-         if (.not. allocated(error) .and. .not. record%audit%stamp_rate > 0.0_dp) &
+         if (.not. allocated(error)) call report_progress("completing the record", 0_int64, &
+            0_int64, error, progress)
+         if (.not. allocated(error)) call make_rates(record, options%input, options%scale, error, &
+            wrap)
+         if (.not. allocated(error) .and. .not. record%audit%stamp_rate > 0.0_dp) then
             call cut(record, options%from, options%to, error)
-         if (.not. allocated(error)) &
-            call audit_values(record%value, record%present, record%audit, error, progress)
+         end if
+         if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, &
+            error, progress)
          if (.not. allocated(error)) call refuse_tiny(record, error)
          if (.not. allocated(error)) call tell(table, record)
       end associate
@@ -132,8 +133,8 @@ contains
       if (.not. table%asked) call list_left_out(table%names, table%class, left, record%warnings)
       slots = pack([(j, j=1, size(keep))], keep)
       call take_columns(table%store, time_slot, slots, record%value, stamps, failed)
-      if (failed /= 0) &
-         call fatal_error(error, status%no_memory, "no memory for the record of "//table%name)
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for the record of "// &
+         table%name)
       if (allocated(error)) return
       allocate (record%channel(size(slots)))
       do j = 1, size(slots)
@@ -163,9 +164,9 @@ contains
             if (holds(j)) exit
          end do
          if (holds(j)) cycle
-         if (table%asked .or. size(holds) == 1) &
-            call line_error(error, table%name, line_of(table%map, 1_int64), &
-            label_of(table%names, table%chosen(j))//" holds no number", "choose another column")
+         if (table%asked .or. size(holds) == 1) call line_error(error, table%name, &
+            line_of(table%map, 1_int64), label_of(table%names, table%chosen(j))// &
+            " holds no number", "choose another column")
          if (allocated(error)) return
          call add_text(record%warnings, label_of(table%names, table%chosen(j))// &
             " holds no number and is left out", note=.true.)
@@ -203,8 +204,8 @@ contains
       record%unit_source = "none"
       if (unit /= "") call set_units(unit, "rate", nothing, record, error)
       if (.not. allocated(error)) call mark_missing(record, largest_value, error, progress)
-      if (.not. allocated(error)) &
-         call audit_values(record%value, record%present, record%audit, error, progress)
+      if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, &
+         error, progress)
       if (.not. allocated(error)) call refuse_tiny(record, error)
       if (allocated(error)) return
       allocate (record%audit%line_of_first(3), source=0_int64)

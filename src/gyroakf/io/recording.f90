@@ -153,8 +153,8 @@ contains
          call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), &
             content)
          if (content%kind == "foreign") then
-            if (associated(lines%source%inflater)) &
-               content%advice = "decompress it first (gzip -dk), then: "//content%advice
+            if (associated(lines%source%inflater)) content%advice = &
+               "decompress it first (gzip -dk), then: "//content%advice
             call line_error(error, name, 1 + count(lines%bytes(:content%at) == 10, kind=int64), &
                "the content is not text but "//content%what, content%advice)
             return
@@ -176,11 +176,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: what
 
-      if (kind == "npy" .and. recording%options%skip > 0) &
-         what = "`skip` is for text (lines) and raw numbers (bytes)"
+      if (kind == "npy" .and. recording%options%skip > 0) what = &
+         "`skip` is for text (lines) and raw numbers (bytes)"
       if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
-      if (kind /= "binary" .and. recording%options%channels > 0) &
-         what = "`channels` is for raw numbers"
+      if (kind /= "binary" .and. recording%options%channels > 0) what = &
+         "`channels` is for raw numbers"
       if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "// &
          what//", and this is "//trim(kind))
    end subroutine check_use
@@ -201,8 +201,9 @@ contains
       if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
       wanted = huge(wanted)
       if (recording%table%time == 0 .and. rate > 0.0_dp) then
-         if (recording%options%to < 1.0e15_dp/rate) &
-            wanted = ceiling(recording%options%to*rate, int64) + 2    ! angles are differenced
+         if (recording%options%to < 1.0e15_dp/rate) then               ! angles are differenced
+            wanted = ceiling(recording%options%to*rate, int64) + 2
+         end if
       end if
       if (recording%expected_rows > wanted) recording%expected_rows = wanted
       most = huge(most) - 1

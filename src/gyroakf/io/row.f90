@@ -95,8 +95,8 @@ contains
       most = min(2, fields%count - j)
       if (layout%columns > 0) most = min(most, max(1, fields%count - layout%columns))
       do behind = most, 1, -1
-         if (kind_of_field(bytes, fields%first(j), fields%last(j + behind)) /= stamp_kind%moment) &
-            cycle
+         if (kind_of_field(bytes, fields%first(j), &
+            fields%last(j + behind)) /= stamp_kind%moment) cycle
          fields%last(j) = fields%last(j + behind)
          fields%count = fields%count - behind
          do i = j + 1, fields%count
@@ -120,8 +120,8 @@ contains
       agrees = .false.
       if (fields%count < layout%where_column) return
       associate (from => fields%first(layout%where_column), to => fields%last(layout%where_column))
-         if (to - from + 1 == size(layout%where_value)) &
-            agrees = all(bytes(from:to) == layout%where_value)
+         if (to - from + 1 == size(layout%where_value)) agrees = &
+            all(bytes(from:to) == layout%where_value)
          if (agrees .or. to < from .or. .not. ieee_is_finite(layout%where_number)) return
          p = from
          call scan_number(bytes, p, x, found)

@@ -117,8 +117,8 @@ contains
       integer(int64) :: at
 
       advice = mend
-      if (any(bytes(first:last) == carriage_return)) &
-         advice = "a carriage return stands within the line: make all line ends the same"
+      if (any(bytes(first:last) == carriage_return)) advice = &
+         "a carriage return stands within the line: make all line ends the same"
       at = last + 1
       if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
       call set_problem(problem, at, integer_text(fields%count)//trim(merge(" column ", " columns", &

@@ -44,8 +44,9 @@ contains
 
       odd = .false.
       stamped = any(layout%kind /= stamp_kind%number)
-      if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) &
+      if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) then
          call parse_column(bytes, at, last, value(:, 1), rows)
+      end if
       capacity = size(value, 1, kind=int64)
       do while (at <= last .and. rows < capacity)
          p = at

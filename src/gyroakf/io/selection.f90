@@ -184,8 +184,8 @@ contains
             - period)) exit
       end do
       if (period > min(most_sensors, n/3)) period = 0
-      if (.not. known .and. any([(stamp(i)%text == stamp(i - period)%text, i=period + 1, n)])) &
-         period = 0
+      if (.not. known .and. &
+         any([(stamp(i)%text == stamp(i - period)%text, i=period + 1, n)])) period = 0
    end function alternating
 
 end module gyroakf_io_selection

@@ -173,8 +173,8 @@ contains
       word = "auto"
       if (allocated(options%wrap)) word = options%wrap
       if (word == "auto") then
-         if (table%integer_bits > 0 .and. table%integer_bits < 64) &
-            wrap_of = 2.0_dp**table%integer_bits
+         if (table%integer_bits > 0 .and. table%integer_bits < 64) wrap_of = &
+            2.0_dp**table%integer_bits
       else if (word /= "none") then
          call parse_number(word, wrap_of, found)
       end if
@@ -268,8 +268,8 @@ contains
       first = 1 + ceiling(from/record%sample_interval - 1.0e-6_dp, int64)
       last = n
       if (to < length) last = ceiling(to/record%sample_interval - 1.0e-6_dp, int64)
-      if (first > last) &
-         call fatal_error(error, status%too_few_samples, "no sample lies between `from` and `to`")
+      if (first > last) call fatal_error(error, status%too_few_samples, &
+         "no sample lies between `from` and `to`")
       if (allocated(error)) return
       call keep_rows(record, first, last, error)
    end subroutine cut
@@ -290,8 +290,8 @@ contains
          if (.not. allocated(record%present)) return
          allocate (present(last - first + 1, size(record%value, 2)), stat=failed)
       end if
-      if (failed /= 0) &
-         call fatal_error(error, status%no_memory, "no memory for a part of the record")
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for a part of the record")
       if (allocated(error)) return
       present(:, :) = record%present(first:last, :)
       call move_alloc(present, record%present)

@@ -100,8 +100,8 @@ contains
 
       n = table%layout%columns
       if (allocated(options%time_column)) then
-         if (options%time_column /= "none") &
-            call find_column(options%time_column, table%names, n, table%time, error)
+         if (options%time_column /= "none") call find_column(options%time_column, table%names, n, &
+            table%time, error)
          if (allocated(error)) return
       else
          do i = count_names(table%names), 1, -1
@@ -111,14 +111,14 @@ contains
             if (table%time == 0) table%time = findloc(table%layout%kind, stamps(i), dim=1)
          end do
       end if
-      if (table%time > 0 .and. table%names%known) &
-         call fraction_of(table%names%name, table%time, table%fraction, table%nano)
+      if (table%time > 0 .and. table%names%known) call fraction_of(table%names%name, table%time, &
+         table%fraction, table%nano)
       if (.not. allocated(table%header%units)) allocate (table%header%units(0))
       table%class = classes_of(table%names, table%header%units, texts, n)
       if (table%fraction > 0) table%class(table%fraction) = column_class%time
       i = table%layout%where_column
-      if (i > 0 .and. .not. table%layout%strict) &
-         table%class(i) = max(table%class(i), column_class%flag)
+      if (i > 0 .and. .not. table%layout%strict) table%class(i) = max(table%class(i), &
+         column_class%flag)
       table%asked = allocated(options%columns)
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)
@@ -132,8 +132,8 @@ contains
       if (allocated(error)) return
       if (size(table%chosen) > 0) return
       word = "every column holds dates or times of day"
-      if (table%time > 0) &
-         word = "there is no column besides the time in "//label_of(table%names, table%time)
+      if (table%time > 0) word = "there is no column besides the time in "// &
+         label_of(table%names, table%time)
       call line_error(error, table%name, max(1_int64, table%names%line), word, &
          "a record needs a column of numbers besides the time")
    end subroutine choose
@@ -157,8 +157,8 @@ contains
          else if (table%time == 0 .and. .not. allocated(options%time_column)) then
             kept = kept .or. &
                (number .and. (class == column_class%unknown .or. class == column_class%counter))
-            if (table%names%known) &
-               kept = kept .or. (number .and. [(table%names%name(i)%text == "T", i=1, size(kept))])
+            if (table%names%known) kept = kept .or. &
+               (number .and. [(table%names%name(i)%text == "T", i=1, size(kept))])
          else if (.not. any(class == column_class%rate)) then
             kept = kept .or. (number .and. class == column_class%counter)
          end if

@@ -145,8 +145,8 @@ contains
       type(span_type), intent(inout) :: span
 
       if (layout%marked) call strip_lines(bytes, span%first, span%last, layout)
-      if (layout%commas /= 0 .and. span%last >= span%first) &
-         call make_points(bytes, span%first, span%last, layout%commas)
+      if (layout%commas /= 0 .and. span%last >= span%first) call make_points(bytes, span%first, &
+         span%last, layout%commas)
       call read_span(bytes, layout, span)
    end subroutine read_lines
 
@@ -177,8 +177,8 @@ contains
 
       got = 0
       do k = 1, block%pieces
-         if (block%span(2*k)%failed) &
-            call fatal_error(error, status%io, lines%source%name//": cannot be read")
+         if (block%span(2*k)%failed) call fatal_error(error, status%io, lines%source%name// &
+            ": cannot be read")
          if (allocated(error)) return
          got = got + block%span(2*k)%got
          if (block%span(2*k)%got < piece_size) exit
@@ -246,11 +246,11 @@ contains
                call map_row(table%map, table%rows + span%map%row(i), &
                   lines%number - 1 + span%map%line(i))
             end do
-            if (table%bad_lines == 0 .and. span%bad_lines > 0) &
-               table%first_bad_line = lines%number - 1 + span%first_bad_line
+            if (table%bad_lines == 0 .and. span%bad_lines > 0) table%first_bad_line = &
+               lines%number - 1 + span%first_bad_line
             table%bad_lines = table%bad_lines + span%bad_lines
-            if (table%headings == 0 .and. span%headings > 0) &
-               table%first_heading = lines%number - 1 + span%first_heading
+            if (table%headings == 0 .and. span%headings > 0) table%first_heading = &
+               lines%number - 1 + span%first_heading
             table%headings = table%headings + span%headings
             table%rows = table%rows + span%rows
             lines%number = lines%number + span%lines
