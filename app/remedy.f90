@@ -7,7 +7,8 @@ module gyroakf_app_remedy
    use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_heading, only : find_pattern
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields
+   use gyroakf_io_labels, only : name_fields
+   use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : recording_type

@@ -12,8 +12,9 @@ module gyroakf
    use gyroakf_release, only : release_string
    ! Records: units, reading, writing
    use gyroakf_record, only : record_type, text_type, sample_count
-   use gyroakf_units, only : unit_type, coefficient_unit_type, term_names, parse_unit, &
-      coefficient_unit, density_unit, coefficient_definition
+   use gyroakf_units, only : unit_type, term_names, parse_unit
+   use gyroakf_coefficient_units, only : coefficient_unit_type, coefficient_unit, density_unit, &
+      coefficient_definition
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_io_writer, only : writer_type, open_writer, put_line, commit_writer, discard_writer

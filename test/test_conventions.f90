@@ -5,7 +5,8 @@ module test_conventions
    use testdrive, only : new_unittest, unittest_type, error_type
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type
-   use gyroakf_units, only : unit_type, parse_unit, coefficient_definition
+   use gyroakf_coefficient_units, only : coefficient_definition
+   use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_allan_noise_fit, only : noise_type
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_coefficients, only : state_noise

@@ -4,7 +4,8 @@ module gyroakf_pipeline_coefficients
    use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : error_type, status
    use gyroakf_record, only : add_text
-   use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, quantity
+   use gyroakf_coefficient_units, only : coefficient_unit, coefficient_unit_type, density_unit
+   use gyroakf_units, only : quantity, unit_type
    use gyroakf_allan_deviations, only : allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_options, noise_type, fit_noise
    use gyroakf_allan_read_off, only : read_off_type, read_off

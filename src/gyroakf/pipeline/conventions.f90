@@ -2,7 +2,9 @@
 !> Noise coefficients in SI, N as a density in both conventions, and which convention each number has.
 module gyroakf_pipeline_conventions
    use gyroakf_kinds, only : dp
-   use gyroakf_units, only : unit_type, coefficient_unit_type, coefficient_unit, density_unit, coefficient_definition
+   use gyroakf_coefficient_units, only : coefficient_definition, coefficient_unit, coefficient_unit_type, &
+      density_unit
+   use gyroakf_units, only : unit_type
    use gyroakf_allan_noise_fit, only : coefficient_type, noise_type
    use gyroakf_pipeline_result, only : stated_coefficient_type, stated_noise_type
    implicit none (type, external)

@@ -13,7 +13,8 @@ module gyroakf_report_figure_allan
    use gyroakf_report_svg_series, only : color_count, series_type
    use gyroakf_report_text_answer, only : coefficient_text
    use gyroakf_report_text_layout, only : if_known, number, percent
-   use gyroakf_units, only : coefficient_unit, coefficient_unit_type, term_names
+   use gyroakf_coefficient_units, only : coefficient_unit, coefficient_unit_type
+   use gyroakf_units, only : term_names
    implicit none (type, external)
    private
    public :: build_allan_figure, build_overlay, minimum_note, alike_channels
