@@ -31,17 +31,19 @@ module gyroakf_allan_deviations
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
+   use gyroakf_allan_block_sums, only : block_sums_type, sum_blocks
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
    use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_grid, only : averaging_factors
-   use gyroakf_allan_noise_identification, only : identify_noise
-   use gyroakf_allan_phase, only : integrate_rate, level_phase
+   use gyroakf_allan_noise_identification, only : identify_noise, means_max
+   use gyroakf_allan_phase, only : integrate_blocks, integrate_rate, level_phase
    use gyroakf_allan_phase_average, only : sum_phase_averages
    use gyroakf_allan_reflection, only : add_reflected_differences
    use gyroakf_allan_phase_difference, only : sum_phase_differences
    use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, statistic_edf, term_count, &
       & variance_divisor
+   use gyroakf_allan_thin_phase, only : choose_step, integrate_thin
    use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    implicit none (type, external)
    private
@@ -118,16 +120,75 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
+      type(block_sums_type) :: blocks
       real(dp), allocatable :: phase(:)
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
+      integer :: place
 
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
       if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
-      if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
+      if (.not. allocated(error)) call sum_blocks(rate, blocks, error, valid)
+      if (allocated(error)) return
+      place = 0
+      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) place = choose_step(size(rate, kind=int64), m)
+      if (place > 0) then
+         call curve_of_thin_phase(rate, blocks, m, place, sample_interval, options, curve, error, progress)
+      else
+         call integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
+         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
+      end if
    end subroutine compute_allan
+
+   !> The curve of a long record of which few phases are needed.
+   subroutine curve_of_thin_phase(rate, blocks, m, place, sample_interval, options, curve, error, progress)
+      !> Rate samples, none missing: [n]
+      real(dp), intent(in), contiguous :: rate(:)
+      !> From [[sum_blocks]]
+      type(block_sums_type), intent(in) :: blocks
+      !> Averaging factors, and the place of the step among them
+      integer(int64), intent(in) :: m(:)
+      integer, intent(in) :: place
+      !> Seconds
+      real(dp), intent(in) :: sample_interval
+      !> Statistic, confidence
+      type(allan_options), intent(in) :: options
+      !> The curve
+      type(allan_curve_type), intent(inout) :: curve
+      !> no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Progress callback; may cancel
+      class(progress_type), intent(inout), optional :: progress
+
+      type(gap_sums_type) :: sums(size(m))
+      real(dp), allocatable :: phase(:)
+      integer(int32), allocatable :: none(:)
+      integer(int64) :: n, terms(size(m)), seen
+      integer :: order
+
+      n = size(rate, kind=int64)
+      order = difference_order(options%kind)
+      call integrate_thin(rate, blocks, m(:place - 1), order, m(place), phase, sums(:place - 1), error, progress)
+      if (.not. allocated(error)) call sum_windows(phase, m(place:)/m(place), order, .false., sums(place:), error, &
+         & progress=progress)
+      if (allocated(error)) return
+      curve%kind = options%kind
+      terms = term_count(options%kind, n, m)
+      call fill_curve(n, sample_interval, options%confidence, m, sums%squares/(variance_divisor(options%kind, m)*real(terms, dp)), &
+         & terms, spread(1.0_dp, 1, size(m)), curve, error)
+      if (.not. allocated(error)) call identify_noise(phase, m(place:)/m(place), options%min_coverage, curve%alpha(place:), error, &
+         & differences=order)
+      if (allocated(error)) return
+      if (place > 1) then                                  ! the others look at the middle of the record
+         seen = min(n, means_max*m(place - 1) + modulo(n, 2_int64))
+         call integrate_rate(rate((n - seen)/2 + 1:(n - seen)/2 + seen), phase, none, error)
+         if (.not. allocated(error)) call identify_noise(phase, m(:place - 1), options%min_coverage, curve%alpha(:place - 1), &
+            & error, differences=order)
+         if (allocated(error)) return
+      end if
+      call fill_limits(curve)
+   end subroutine curve_of_thin_phase
 
    !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the sample intervals.
    !>

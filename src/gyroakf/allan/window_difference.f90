@@ -11,7 +11,7 @@ module gyroakf_allan_window_difference
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
-   public :: gap_sums_type, sum_windows
+   public :: gap_sums_type, sum_windows, add_windows, add_sums
 
    !> What a record gives for one averaging factor
    type :: gap_sums_type
@@ -88,11 +88,11 @@ contains
                   stride = merge(1_int64, m(i), overlapping)
                   first = (from + (s - 1)*stretch_length + stride - 1)/stride*stride
                   last = min(from + s*stretch_length - 1, n - order*m(i))
-                  if (present(missing)) then
-                     call add_gapped(phase, missing, m(i), order, stride, coverage(i), first, &
-                        & last, part(i - low + 1, s))
+                  if (present(missing)) then      ! absent ones are not passed on from here
+                     call add_windows(phase, m(i), order, stride, first, last, &
+                        & part(i - low + 1, s), missing, coverage(i))
                   else
-                     call add_complete(phase, m(i), order, stride, first, last, &
+                     call add_windows(phase, m(i), order, stride, first, last, &
                         & part(i - low + 1, s))
                   end if
                end do
@@ -115,63 +115,74 @@ contains
       total%terms = total%terms + part%terms
    end subroutine add_sums
 
-   !> Terms of a complete record.
-   pure subroutine add_complete(phase, m, order, stride, first, last, sums)
+   !> The sums over the terms k = first, first + stride ... last.
+   pure subroutine add_windows(phase, m, order, stride, first, last, sums, missing, coverage)
+      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor
       integer(int64), intent(in) :: m
+      !> Windows, 2 or 3
       integer, intent(in) :: order
-      !> From term to term, the first term, no term beyond
+      !> From term to term, 1 or m; the first term; no term beyond
       integer(int64), intent(in) :: stride, first, last
+      !> The sums
       type(gap_sums_type), intent(out) :: sums
+      !> Missing samples so far, [0:n], and share of a window that must be present
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      real(dp), intent(in), optional :: coverage
+
+      integer(int64) :: beyond, allowed
+
+      if (last < first) return
+      beyond = last + order*m
+      if (present(missing)) then
+         allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1, &
+            & int(huge(0_int32), int64))
+         if (stride == 1) then
+            call add_gapped(m, order, int(allowed, int32), phase(first:beyond), &
+               & missing(first:beyond), m, sums)
+         else
+            call add_gapped(m, order, int(allowed, int32), [phase(first:beyond:m)], &
+               & [missing(first:beyond:m)], 1_int64, sums)
+         end if
+      else if (stride == 1) then
+         call add_complete(order, phase(first:beyond), m, sums)
+      else
+         call add_complete(order, [phase(first:beyond:m)], 1_int64, sums)
+      end if
+   end subroutine add_windows
+
+   !> Terms of a complete record.
+   pure subroutine add_complete(order, x, step, sums)
+      integer, intent(in) :: order
+      !> Phase from the first term to the end of the last
+      real(dp), intent(in), contiguous :: x(:)
+      !> Places from the beginning of a window to its end
+      integer(int64), intent(in) :: step
+      type(gap_sums_type), intent(inout) :: sums
 
       real(dp) :: total
       integer(int64) :: k
 
       total = 0
+      sums%terms = size(x, kind=int64) - order*step
       if (order == 2) then
          !$omp simd reduction(+:total)
-         do k = first, last, stride
-            total = total + ((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))**2
+         do k = 1, sums%terms
+            total = total + ((x(k + 2*step) - x(k + step)) - (x(k + step) - x(k)))**2
          end do
       else
          !$omp simd reduction(+:total)
-         do k = first, last, stride
-            total = total + ((phase(k + 3*m) - phase(k)) - 3*(phase(k + 2*m) - phase(k + m)))**2
+         do k = 1, sums%terms
+            total = total + ((x(k + 3*step) - x(k)) - 3*(x(k + 2*step) - x(k + step)))**2
          end do
       end if
       sums%squares = total
-      sums%terms = max(0_int64, (last - first + stride)/stride)
    end subroutine add_complete
-
-   !> Terms of a record with gaps.
-   pure subroutine add_gapped(phase, missing, m, order, stride, coverage, first, last, sums)
-      real(dp), intent(in), contiguous :: phase(0:)
-      integer(int32), intent(in), contiguous :: missing(0:)
-      integer(int64), intent(in) :: m
-      integer, intent(in) :: order
-      !> From term to term, the first term, no term beyond
-      integer(int64), intent(in) :: stride, first, last
-      !> Share of a window that must be present
-      real(dp), intent(in) :: coverage
-      type(gap_sums_type), intent(out) :: sums
-
-      integer(int64) :: allowed
-
-      if (last < first) return
-      allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1, &
-         & int(huge(0_int32), int64))
-      if (stride == 1) then
-         call add_terms(m, order, int(allowed, int32), phase(first:last + order*m), &
-            & missing(first:last + order*m), m, sums)
-      else
-         call add_terms(m, order, int(allowed, int32), [phase(first:last + order*m:m)], &
-            & [missing(first:last + order*m:m)], 1_int64, sums)
-      end if
-   end subroutine add_gapped
 
    !> Adds the terms whose windows lack at most `allowed` samples each; of two windows the third is
    !> empty and weighs nothing.
-   pure subroutine add_terms(m, order, allowed, x, lost, step, sums)
+   pure subroutine add_gapped(m, order, allowed, x, lost, step, sums)
       integer(int64), intent(in) :: m
       integer, intent(in) :: order
       !> Missing samples that a window may have, < m
@@ -216,6 +227,6 @@ contains
       sums%squares = squares
       sums%inflation = inverse - real(terms, dp)*(sum(w**2)/whole)
       sums%terms = terms
-   end subroutine add_terms
+   end subroutine add_gapped
 
 end module gyroakf_allan_window_difference
