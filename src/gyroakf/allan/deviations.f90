@@ -32,8 +32,7 @@ module gyroakf_allan_deviations
    use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_allan_block_sums, only : block_sums_type, sum_blocks
-   use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
-   use gyroakf_allan_difference_kurtosis, only : find_kurtosis
+   use gyroakf_allan_curve, only : allan_curve_type, fill_curve, fill_limits, fill_octaves
    use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_identification, only : identify_noise, means_max
@@ -41,14 +40,13 @@ module gyroakf_allan_deviations
    use gyroakf_allan_phase_average, only : sum_phase_averages
    use gyroakf_allan_reflection, only : add_reflected_differences
    use gyroakf_allan_phase_difference, only : sum_phase_differences
-   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, statistic_edf, term_count, &
+   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, term_count, &
       & variance_divisor
    use gyroakf_allan_thin_phase, only : choose_step, integrate_thin
    use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
-   public :: check_arguments, octaves_type
 
    !> What to compute
    type :: allan_options
@@ -62,39 +60,6 @@ module gyroakf_allan_deviations
       !> windows
       real(dp) :: min_coverage = 0.9_dp
    end type allan_options
-
-   !> What a noise fit needs of a record: its overlapping Allan variances at m = 1, 2, 4, ... up to a quarter of it
-   type :: octaves_type
-      !> Averaging factors
-      integer(int64), allocatable :: m(:)
-      !> Variances; excess kurtosis of the white noise per sample as seen at each factor; degrees of freedom as a share of
-      !> those of a complete record
-      real(dp), allocatable :: variance(:), kurtosis(:), share(:)
-   end type octaves_type
-
-   !> A deviation curve; arrays have one element per averaging time, ascending
-   type :: allan_curve_type
-      !> Statistic
-      character(8) :: kind = "oadev"
-      !> Seconds
-      real(dp) :: sample_interval = 1.0_dp
-      !> Samples of the record, missing ones included
-      integer(int64) :: samples = 0
-      !> Probability between the limits
-      real(dp) :: confidence = 0.683_dp
-      !> Averaging factors, and terms that were averaged
-      integer(int64), allocatable :: m(:), terms(:)
-      !> Averaging factors that are not in the curve: missing samples leave no term
-      integer(int64), allocatable :: left_out(:)
-      !> Averaging times in seconds; deviation and its limits in the unit of the rate; equivalent degrees of freedom
-      real(dp), allocatable :: tau(:), deviation(:), lower(:), upper(:), edf(:)
-      !> Exponent of the power-law noise that dominates (2 quantisation, 0 white, -1 flicker, -2 random walk)
-      integer, allocatable :: alpha(:)
-      !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples are missing or terms left out
-      real(dp), allocatable :: share(:)
-      !> For [[fit_noise]], whatever the averaging times are; filled where kind is "oadev"
-      type(octaves_type) :: octaves
-   end type allan_curve_type
 
 contains
 
@@ -131,34 +96,28 @@ contains
       if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, progress)
       if (.not. allocated(error)) call sum_blocks(rate, blocks, error, valid)
       if (allocated(error)) return
+      call begin_curve(options, size(rate, kind=int64), sample_interval, curve)
       place = 0
       if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) place = choose_step(size(rate, kind=int64), m)
       if (place > 0) then
-         call curve_of_thin_phase(rate, blocks, m, place, sample_interval, options, curve, error, progress)
+         call curve_of_thin_phase(rate, blocks, m, place, options, curve, error, progress)
       else
          call integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
-         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
+         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, options, curve, error, progress)
       end if
    end subroutine compute_allan
 
    !> The curve of a long record of which few phases are needed.
-   subroutine curve_of_thin_phase(rate, blocks, m, place, sample_interval, options, curve, error, progress)
+   subroutine curve_of_thin_phase(rate, blocks, m, place, options, curve, error, progress)
       !> Rate samples, none missing: [n]
       real(dp), intent(in), contiguous :: rate(:)
-      !> From [[sum_blocks]]
       type(block_sums_type), intent(in) :: blocks
       !> Averaging factors, and the place of the step among them
       integer(int64), intent(in) :: m(:)
       integer, intent(in) :: place
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> Statistic, confidence
       type(allan_options), intent(in) :: options
-      !> The curve
       type(allan_curve_type), intent(inout) :: curve
-      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type) :: sums(size(m))
@@ -173,9 +132,8 @@ contains
       if (.not. allocated(error)) call sum_windows(phase, m(place:)/m(place), order, .false., sums(place:), error, &
          & progress=progress)
       if (allocated(error)) return
-      curve%kind = options%kind
       terms = term_count(options%kind, n, m)
-      call fill_curve(n, sample_interval, options%confidence, m, sums%squares/(variance_divisor(options%kind, m)*real(terms, dp)), &
+      call fill_curve(m, sums%squares/(variance_divisor(options%kind, m)*real(terms, dp)), &
          & terms, spread(1.0_dp, 1, size(m)), curve, error)
       if (.not. allocated(error)) call identify_noise(phase, m(place:)/m(place), options%min_coverage, curve%alpha(place:), error, &
          & differences=order)
@@ -215,30 +173,25 @@ contains
          call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, m, error)
       end if
       if (.not. allocated(error)) call level_phase(phase, sample_interval, level, error)
-      if (.not. allocated(error)) call curve_of_phase(level, missing, m, sample_interval, options, curve, error)
+      if (allocated(error)) return
+      call begin_curve(options, size(phase, kind=int64) - 1, sample_interval, curve)
+      call curve_of_phase(level, missing, m, options, curve, error)
    end subroutine compute_allan_from_phase
 
    !> Averaging factors that the statistic can have.
    subroutine choose_factors(options, samples, sample_interval, m, error)
-      !> Statistic and grid
       type(allan_options), intent(in) :: options
-      !> Rate samples
       integer(int64), intent(in) :: samples
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> The factors, ascending
       integer(int64), allocatable, intent(out) :: m(:)
-      !> invalid_argument, too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
-
       integer(int64), allocatable :: grid(:)
+      character(:), allocatable :: taus
       integer :: points, stat
 
-      if (allocated(options%taus)) then
-         call averaging_factors(options%taus, samples, sample_interval, grid, error)
-      else
-         call averaging_factors("octave", samples, sample_interval, grid, error)
-      end if
+      taus = "octave"
+      if (allocated(options%taus)) taus = options%taus
+      call averaging_factors(taus, samples, sample_interval, grid, error)
       if (allocated(error)) return
       points = count(grid <= longest_factor(options%kind, samples))
       if (points == size(grid)) then
@@ -253,23 +206,29 @@ contains
       end if
    end subroutine choose_factors
 
+   !> What the arguments say of the curve.
+   pure subroutine begin_curve(options, samples, sample_interval, curve)
+      type(allan_options), intent(in) :: options
+      integer(int64), intent(in) :: samples
+      real(dp), intent(in) :: sample_interval
+      type(allan_curve_type), intent(inout) :: curve
+
+      curve%kind = options%kind
+      curve%samples = samples
+      curve%sample_interval = sample_interval
+      curve%confidence = options%confidence
+   end subroutine begin_curve
+
    !> The curve from the integral of the record.
-   subroutine curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
+   subroutine curve_of_phase(phase, missing, m, options, curve, error, progress)
       !> Phase in units of rate times sample: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
       integer(int32), allocatable, intent(in) :: missing(:)
-      !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> Statistic, confidence, coverage
       type(allan_options), intent(in) :: options
-      !> The curve
       type(allan_curve_type), intent(inout) :: curve
-      !> too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: variance(:), share(:)
@@ -278,9 +237,7 @@ contains
       integer :: stat
 
       call add_octaves(options%kind, ubound(phase, 1, kind=int64), m, all_m, shown)
-      allocate (variance(size(all_m)), stat=stat)
-      if (stat == 0) allocate (terms(size(all_m)), stat=stat)
-      if (stat == 0) allocate (share(size(all_m)), stat=stat)
+      allocate (variance(size(all_m)), terms(size(all_m)), share(size(all_m)), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the Allan variances")
          return
@@ -292,10 +249,8 @@ contains
          share = 1
       end if
       if (allocated(error)) return
-      curve%kind = options%kind
       if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, share, curve%octaves)
-      call fill_curve(ubound(phase, 1, kind=int64), sample_interval, options%confidence, pack(all_m, shown), &
-         & pack(variance, shown), pack(terms, shown), pack(share, shown), curve, error)
+      call fill_curve(pack(all_m, shown), pack(variance, shown), pack(terms, shown), pack(share, shown), curve, error)
       if (allocated(error)) return
       call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, error, missing, difference_order(curve%kind))
       call fill_limits(curve)
@@ -323,40 +278,15 @@ contains
       end do
    end subroutine add_octaves
 
-   !> What a fit needs.
-   subroutine fill_octaves(phase, missing, m, variance, share, octaves)
-      real(dp), intent(in), contiguous :: phase(0:)
-      integer(int32), allocatable, intent(in) :: missing(:)
-      integer(int64), intent(in) :: m(:)
-      real(dp), intent(in) :: variance(:), share(:)
-      type(octaves_type), intent(out) :: octaves
-      logical :: mask(size(m))
-      integer(int64) :: n
-
-      n = ubound(phase, 1, kind=int64)
-      mask = popcnt(m) == 1 .and. m <= max(1_int64, n/4) .and. share > 0
-      octaves%m = pack(m, mask)
-      octaves%variance = pack(variance, mask)
-      octaves%share = pack(share, mask)
-      allocate (octaves%kurtosis(size(octaves%m)))
-      call find_kurtosis(phase, octaves%m, octaves%variance, octaves%kurtosis, missing)
-   end subroutine fill_octaves
-
    !> Variances of a record without gaps.
    subroutine complete_variances(kind, phase, m, variance, terms, error, progress)
-      !> Statistic
       character(*), intent(in) :: kind
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors
       integer(int64), intent(in) :: m(:)
       !> Variances: [size(m)]; tdev: those of mdev
       real(dp), intent(out) :: variance(:)
-      !> Terms: [size(m)]
       integer(int64), intent(out) :: terms(:)
-      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(gap_sums_type) :: sums(size(m))
 
@@ -377,11 +307,8 @@ contains
 
    !> Rejects what is out of range.
    subroutine check_arguments(sample_interval, options, error)
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> Options
       type(allan_options), intent(in) :: options
-      !> invalid_argument, not_supported
       type(error_type), allocatable, intent(out) :: error
 
       call check_statistic(options%kind, error)
@@ -396,80 +323,10 @@ contains
 
    !> Finite and above zero.
    pure logical function positive(x)
-      !> Any number
       real(dp), intent(in) :: x
 
       positive = .false.
       if (ieee_is_finite(x)) positive = x > 0
    end function positive
-
-   !> Puts the averaging times that have terms into the curve.
-   subroutine fill_curve(n, sample_interval, confidence, m, variance, terms, share, curve, error)
-      !> Samples
-      integer(int64), intent(in) :: n
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> Probability between the limits
-      real(dp), intent(in) :: confidence
-      !> Averaging factors, their variances and terms
-      integer(int64), intent(in) :: m(:)
-      real(dp), intent(in) :: variance(:)
-      integer(int64), intent(in) :: terms(:)
-      !> Degrees of freedom as a share of those of a complete record
-      real(dp), intent(in) :: share(:)
-      !> The curve, without exponents and limits
-      type(allan_curve_type), intent(inout) :: curve
-      !> too_few_samples, no_memory
-      type(error_type), allocatable, intent(out) :: error
-
-      integer :: points, i, k, stat
-
-      curve%sample_interval = sample_interval
-      curve%samples = n
-      curve%confidence = confidence
-      points = count(terms > 0)
-      curve%left_out = pack(m, terms <= 0)
-      if (points == 0) then
-         call fatal_error(error, status%too_few_samples, "too many samples are missing: no averaging time has a complete window")
-         return
-      end if
-      allocate (curve%m(points), stat=stat)
-      if (stat == 0) allocate (curve%terms(points), stat=stat)
-      if (stat == 0) allocate (curve%tau(points), stat=stat)
-      if (stat == 0) allocate (curve%deviation(points), stat=stat)
-      if (stat == 0) allocate (curve%lower(points), stat=stat)
-      if (stat == 0) allocate (curve%upper(points), stat=stat)
-      if (stat == 0) allocate (curve%edf(points), stat=stat)
-      if (stat == 0) allocate (curve%alpha(points), stat=stat)
-      if (stat == 0) allocate (curve%share(points), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the Allan curve")
-         return
-      end if
-      k = 0
-      do i = 1, size(m)
-         if (terms(i) <= 0) cycle
-         k = k + 1
-         curve%m(k) = m(i)
-         curve%terms(k) = terms(i)
-         curve%tau(k) = real(m(i), dp)*sample_interval
-         curve%deviation(k) = sqrt(variance(i))
-         if (curve%kind == "tdev") curve%deviation(k) = curve%tau(k)*curve%deviation(k)/sqrt(3.0_dp)
-         curve%share(k) = share(i)
-      end do
-   end subroutine fill_curve
-
-   !> Degrees of freedom and limits from the identified noise.
-   subroutine fill_limits(curve)
-      !> The curve
-      type(allan_curve_type), intent(inout) :: curve
-
-      integer :: i
-
-      do i = 1, size(curve%m)
-         curve%edf(i) = statistic_edf(curve%kind, curve%samples + 1, curve%m(i), curve%alpha(i))*curve%share(i)
-      end do
-      call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
-   end subroutine fill_limits
 
 end module gyroakf_allan_deviations

@@ -11,6 +11,7 @@
 module gyroakf_allan_fit_solver
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dgels, dpotrf, dtrtrs
+   use gyroakf_sort, only : median_of
    use gyroakf_allan_fit_covariance, only : covariance_basis_type, mixture_covariances
    use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_walk, term_white, terms
    implicit none (type, external)
@@ -72,7 +73,7 @@ contains
 
       passes_max = 4
       if (present(passes)) passes_max = passes
-      solution%squares = merge([0.0_dp, median(points%variance/points%shape(:, term_white)), median(points%variance), &
+      solution%squares = merge([0.0_dp, median_of(points%variance/points%shape(:, term_white)), median_of(points%variance), &
          & 0.0_dp, 0.0_dp], 0.0_dp, used)
       if (present(start)) solution%squares = start
       do pass = 1, passes_max
@@ -85,7 +86,7 @@ contains
    end subroutine fit_terms
 
    !> Where the variances of the terms are not all positive, the used terms share the points evenly, by the medians.
-   pure subroutine make_positive(points, used, squares)
+   subroutine make_positive(points, used, squares)
       type(fit_points_type), intent(in) :: points
       logical, intent(in) :: used(term_count)
       real(dp), intent(inout) :: squares(term_count)
@@ -93,7 +94,7 @@ contains
 
       if (all(matmul(points%shape, squares) > 0)) return
       do j = 1, term_count
-         if (used(j)) squares(j) = median(points%variance/points%shape(:, j))/count(used) + tiny(1.0_dp)
+         if (used(j)) squares(j) = median_of(points%variance/points%shape(:, j))/count(used) + tiny(1.0_dp)
       end do
    end subroutine make_positive
 
@@ -242,14 +243,5 @@ contains
       end do
       where (.not. signed) x = max(x, 0.0_dp)
    end subroutine solve_nonnegative
-
-   !> Median of a few numbers.
-   pure real(dp) function median(x)
-      real(dp), intent(in) :: x(:)
-      integer :: i, below(size(x))
-
-      below = [(count(x < x(i)) + count(.not. (x(:i - 1) < x(i) .or. x(:i - 1) > x(i))), i=1, size(x))]
-      median = (sum(x, mask=below == (size(x) - 1)/2) + sum(x, mask=below == size(x)/2))/2
-   end function median
 
 end module gyroakf_allan_fit_solver

@@ -142,21 +142,13 @@ contains
 
    !> Squares, inflation and number of the terms.
    subroutine sum_terms(kind, phase, missing, m, coverage, sums, error, progress)
-      !> A known statistic
       character(*), intent(in) :: kind
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present: [size(m)]
       real(dp), intent(in) :: coverage(:)
-      !> The sums: [size(m)]
       type(gap_sums_type), intent(out) :: sums(:)
-      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       select case (kind)
@@ -173,11 +165,8 @@ contains
 
    !> Scales the sums of a total variance to be divided by the number of terms; without terms where too many are lost.
    pure subroutine divide_by_weight(samples, m, sums)
-      !> Rate samples, and averaging factor
       integer(int64), intent(in) :: samples, m
-      !> The sums
       type(gap_sums_type), intent(inout) :: sums
-
       real(dp) :: share
 
       share = sums%weight/complete_weight(samples, m)
@@ -192,7 +181,6 @@ contains
 
    !> Whether two lists are equal.
    pure logical function same(a, b)
-      !> The lists
       integer(int64), intent(in) :: a(:), b(:)
 
       same = size(a) == size(b)
@@ -238,11 +226,7 @@ contains
 
    !> Value at m between those at 1, 2, 4 ..., linear in the logarithm of m.
    pure real(dp) function interpolated(values, m)
-      !> Values at the octaves
-      real(dp), intent(in) :: values(:)
-      !> Where, >= 1
-      real(dp), intent(in) :: m
-
+      real(dp), intent(in) :: values(:), m
       real(dp) :: place
       integer :: j
 

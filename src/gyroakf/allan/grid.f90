@@ -34,20 +34,32 @@ contains
       !> invalid_argument (unknown text), too_few_samples (no factor fits), no_memory
       type(error_type), allocatable, intent(out) :: error
 
-      integer :: per_decade
+      integer(int64) :: i, one_two_five(57)
+      integer :: per_decade, stat
+      character(20) :: text
 
       if (samples < 2) then
-         call fatal_error(error, status%too_few_samples, "an Allan deviation needs at least 2 samples, got "// &
-            & trim(text_int(samples)))
+         write (text, "(i0)") samples
+         call fatal_error(error, status%too_few_samples, &
+            & "an Allan deviation needs at least 2 samples, got "//trim(text))
          return
       end if
       select case (taus)
       case ("octave")
-         call powers_of_two(samples/2, m)
+         m = [(2_int64**i, i=0, bit_size(samples) - leadz(samples/2) - 1)]
       case ("decade")
-         call one_two_five(samples/2, m)
+         one_two_five = [([1_int64, 2_int64, 5_int64]*10_int64**i, i=0, 18)]
+         m = pack(one_two_five, one_two_five <= samples/2)
       case ("all")
-         call every_factor(samples/2, m, error)
+         allocate (m(samples/2), stat=stat)
+         if (stat /= 0) then
+            write (text, "(i0)") samples/2
+            call fatal_error(error, status%no_memory, "no memory for "//trim(text)//" averaging factors")
+            return
+         end if
+         do i = 1, samples/2
+            m(i) = i
+         end do
       case default
          if (index(taus, "log:") == 1) then
             call read_per_decade(taus(5:), per_decade, error)
@@ -58,98 +70,23 @@ contains
       end select
    end subroutine averaging_factors
 
-   !> 1, 2, 4 ... up to the limit.
-   pure subroutine powers_of_two(limit, m)
-      !> Largest factor, >= 1
-      integer(int64), intent(in) :: limit
-      !> The factors
-      integer(int64), allocatable, intent(out) :: m(:)
-
-      integer :: i, count
-
-      count = int(bit_size(limit)) - leadz(limit)
-      allocate (m(count))
-      do i = 1, count
-         m(i) = 2_int64**(i - 1)
-      end do
-   end subroutine powers_of_two
-
-   !> 1, 2, 5, 10, 20 ... up to the limit.
-   pure subroutine one_two_five(limit, m)
-      !> Largest factor, >= 1
-      integer(int64), intent(in) :: limit
-      !> The factors
-      integer(int64), allocatable, intent(out) :: m(:)
-
-      integer(int64), parameter :: step(3) = [1_int64, 2_int64, 5_int64]
-      integer(int64) :: value(3*19)
-      integer :: i, count
-
-      count = 0
-      do i = 0, size(value) - 1
-         value(i + 1) = step(1 + mod(i, 3))*10_int64**(i/3)
-         if (value(i + 1) > limit) exit
-         count = i + 1
-      end do
-      m = value(:count)
-   end subroutine one_two_five
-
-   !> Every factor up to the limit.
-   subroutine every_factor(limit, m, error)
-      !> Largest factor, >= 1
-      integer(int64), intent(in) :: limit
-      !> The factors
-      integer(int64), allocatable, intent(out) :: m(:)
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
-
-      integer(int64) :: i
-      integer :: stat
-
-      allocate (m(limit), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for "//trim(text_int(limit))//" averaging factors")
-         return
-      end if
-      do i = 1, limit
-         m(i) = i
-      end do
-   end subroutine every_factor
-
    !> Nearest integers to 10**(i/per_decade), each once, up to the limit.
    pure subroutine logarithmic(limit, per_decade, m)
-      !> Largest factor, >= 1
       integer(int64), intent(in) :: limit
-      !> Points per decade
       integer, intent(in) :: per_decade
-      !> The factors
       integer(int64), allocatable, intent(out) :: m(:)
-
       integer(int64), allocatable :: value(:)
-      integer(int64) :: next
-      integer :: i, count
+      integer :: i
 
-      allocate (value(19*per_decade))
-      count = 0
-      do i = 0, size(value) - 1
-         next = nint(10.0_dp**(real(i, dp)/per_decade), int64)
-         if (next > limit) exit
-         if (count > 0) then
-            if (next == value(count)) cycle
-         end if
-         count = count + 1
-         value(count) = next
-      end do
-      m = value(:count)
+      value = [(nint(10.0_dp**min(real(i, dp)/per_decade, 18.9_dp), int64), i=0, 19*per_decade - 1)]
+      m = pack(value, value <= limit .and. value /= [0_int64, value(:size(value) - 1)])
    end subroutine logarithmic
 
    !> Reads the N of `log:N`.
    subroutine read_per_decade(text, per_decade, error)
       !> What stands after the colon
       character(*), intent(in) :: text
-      !> The number
       integer, intent(out) :: per_decade
-      !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
       integer :: stat
@@ -165,17 +102,11 @@ contains
 
    !> Factors from a list of averaging times.
    subroutine from_seconds(text, limit, sample_interval, m, error)
-      !> Seconds, separated by commas
       character(*), intent(in) :: text
-      !> Largest factor, >= 1
       integer(int64), intent(in) :: limit
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> The factors
       integer(int64), allocatable, intent(out) :: m(:)
-      !> invalid_argument, too_few_samples
       type(error_type), allocatable, intent(out) :: error
-
       integer(int64), allocatable :: value(:)
       real(dp) :: tau
       integer :: first, last, count
@@ -205,11 +136,9 @@ contains
    subroutine read_seconds(text, sample_interval, tau, error)
       !> Digits with an optional point and exponent
       character(*), intent(in) :: text
-      !> Seconds
       real(dp), intent(in) :: sample_interval
       !> Seconds, at least half a sample interval
       real(dp), intent(out) :: tau
-      !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
       character(:), allocatable :: word
@@ -229,9 +158,7 @@ contains
 
    !> Digits with a point, and an exponent of at most two digits: nothing that overflows on conversion.
    pure logical function plain_number(word)
-      !> One word
       character(*), intent(in) :: word
-
       integer :: mark
 
       mark = scan(word, "eEdD")
@@ -247,11 +174,8 @@ contains
 
    !> Ascending, each value once.
    pure subroutine sort_unique(value, m)
-      !> A short list
       integer(int64), intent(in) :: value(:)
-      !> The result
       integer(int64), allocatable, intent(out) :: m(:)
-
       integer(int64) :: sorted(size(value)), next
       integer :: i, j, count
 
@@ -268,14 +192,5 @@ contains
       end do
       m = sorted(:count)
    end subroutine sort_unique
-
-   !> A whole number as text.
-   pure function text_int(value) result(text)
-      !> The number
-      integer(int64), intent(in) :: value
-      character(20) :: text
-
-      write (text, "(i0)") value
-   end function text_int
 
 end module gyroakf_allan_grid

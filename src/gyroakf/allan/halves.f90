@@ -111,11 +111,17 @@ contains
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
       integer(int64) :: n, half
+      character(:), allocatable :: taus
 
       n = size(rate, kind=int64)
       half = n/2
       call check_arguments(half, sample_interval, noise, options, error)
-      if (.not. allocated(error)) call choose_factors(half, sample_interval, options, m, error)
+      taus = "octave"
+      if (allocated(options%taus)) taus = options%taus
+      if (.not. allocated(error)) call averaging_factors(taus, half, sample_interval, m, error)
+      if (allocated(error)) return
+      if (size(m) > points_max) call fatal_error(error, status%invalid_argument, &
+         & "the halves of a record are compared at no more than 80 averaging times")
       if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
       if (.not. allocated(error)) call report_progress("comparing the halves", 0_int64, n, error, progress)
       if (allocated(error)) return
@@ -141,15 +147,10 @@ contains
 
    !> Rejects what is out of range.
    subroutine check_arguments(half, sample_interval, noise, options, error)
-      !> Samples of a half
       integer(int64), intent(in) :: half
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> Fitted
       type(noise_type), intent(in) :: noise
-      !> Options
       type(halves_options), intent(in) :: options
-      !> invalid_argument, too_few_samples
       type(error_type), allocatable, intent(out) :: error
 
       call check_sample_interval(sample_interval, error)
@@ -176,34 +177,6 @@ contains
       if (ieee_is_finite(x)) between = x > low .and. x < high
    end function between
 
-   !> Averaging factors of a half.
-   subroutine choose_factors(half, sample_interval, options, m, error)
-      !> Samples
-      integer(int64), intent(in) :: half
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> The grid
-      type(halves_options), intent(in) :: options
-      !> The factors; at most points_max
-      integer(int64), allocatable, intent(out) :: m(:)
-      !> invalid_argument, too_few_samples, no_memory
-      type(error_type), allocatable, intent(out) :: error
-
-      integer(int64), allocatable :: grid(:)
-
-      if (allocated(options%taus)) then
-         call averaging_factors(options%taus, half, sample_interval, grid, error)
-      else
-         call averaging_factors("octave", half, sample_interval, grid, error)
-      end if
-      if (allocated(error)) return
-      if (size(grid) > points_max) then
-         call fatal_error(error, status%invalid_argument, "the halves of a record are compared at no more than 80 averaging times")
-         return
-      end if
-      call move_alloc(grid, m)
-   end subroutine choose_factors
-
    !> Excess kurtosis of the innovations of a half, at least that of uniform noise; 0 where nothing varies.
    subroutine innovation_kurtosis(phase, missing, first, last, scale, kurtosis)
       real(dp), intent(in), contiguous :: phase(0:)
@@ -225,23 +198,13 @@ contains
 
    !> The ratios, and the statistic of all of them.
    subroutine compare_variances(half, sample_interval, m, variance, share, model, kurtosis, options, halves, error)
-      !> Samples of a half
       integer(int64), intent(in) :: half
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> Averaging factors: [k]
       integer(int64), intent(in) :: m(:)
       !> Variances, and shares of their degrees of freedom that gaps leave: [k, 2]
-      real(dp), intent(in) :: variance(:, :), share(:, :)
-      !> The mixture
-      real(dp), intent(in) :: model(term_count)
-      !> Excess kurtosis of the innovations
-      real(dp), intent(in) :: kurtosis
-      !> Confidence, least degrees of freedom
+      real(dp), intent(in) :: variance(:, :), share(:, :), model(term_count), kurtosis
       type(halves_options), intent(in) :: options
-      !> The result
       type(halves_type), intent(inout) :: halves
-      !> too_few_samples
       type(error_type), allocatable, intent(out) :: error
 
       real(dp), dimension(size(m), 2) :: edf
@@ -283,15 +246,9 @@ contains
 
    !> Covariance of the variances of half a record, relative to the model.
    subroutine relative_covariance(half, m, model, covariance)
-      !> Samples of a half
-      integer(int64), intent(in) :: half
-      !> Averaging factors: [k]
-      integer(int64), intent(in) :: m(:)
-      !> The mixture
+      integer(int64), intent(in) :: half, m(:)
       real(dp), intent(in) :: model(term_count)
-      !> The matrix: [k, k]
       real(dp), intent(out) :: covariance(:, :)
-
       type(covariance_basis_type) :: basis
       real(dp) :: squares(term_count), variance(size(m))
       integer :: i
@@ -309,7 +266,6 @@ contains
    pure subroutine add_halves(freedom, share, covariance)
       !> Half the degrees of freedom, and shares of them that gaps leave: [k, 2]; rows without terms are not used
       real(dp), intent(in) :: freedom(:, :), share(:, :)
-      !> The matrix: [k, k]
       real(dp), intent(inout) :: covariance(:, :)
 
       real(dp) :: factor(size(freedom, 1), 2), half

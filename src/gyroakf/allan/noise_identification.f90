@@ -71,11 +71,8 @@ contains
 
    !> The exponent for one averaging factor.
    pure subroutine identify_one(phase, m, coverage, differences_max, alpha, stat, missing)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
-      !> Share of a window that must be present
       real(dp), intent(in) :: coverage
       !> Differences at most
       integer, intent(in) :: differences_max
@@ -83,7 +80,6 @@ contains
       integer, intent(out) :: alpha
       !> Not 0 where there is no memory
       integer, intent(out) :: stat
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), optional :: missing(0:)
 
       real(dp), allocatable :: mean(:)
@@ -119,17 +115,12 @@ contains
 
    !> Means of adjacent windows around the middle of the record.
    pure subroutine window_means(phase, m, coverage, mean, use_it, missing)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Samples in a window
       integer(int64), intent(in) :: m
-      !> Share of a window that must be present
       real(dp), intent(in) :: coverage
-      !> Means
       real(dp), intent(out) :: mean(:)
       !> Whether the window is complete enough
       logical, intent(out) :: use_it(:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), optional :: missing(0:)
 
       integer(int64) :: j, k, there, first
@@ -147,7 +138,6 @@ contains
 
    !> Removes the least-squares straight line.
    pure subroutine remove_line(y, use_it)
-      !> Values
       real(dp), intent(inout) :: y(:)
       !> Which of them count
       logical, intent(in) :: use_it(:)
@@ -176,7 +166,6 @@ contains
 
    !> Lag-1 autocorrelation over neighboring pairs.
    pure subroutine lag_one(y, use_it, least, r, varies)
-      !> Values
       real(dp), intent(in) :: y(:)
       !> Which of them count
       logical, intent(in) :: use_it(:)

@@ -186,7 +186,6 @@ contains
       real(dp), intent(in), contiguous :: rate(:)
       real(dp), intent(in) :: mean, offset(4)
       real(dp), intent(inout), contiguous :: phase(:)
-
       integer(int64), parameter :: n = block_length
       integer(int64) :: i
       real(dp) :: s1, s2, s3, s4

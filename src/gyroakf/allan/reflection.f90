@@ -15,7 +15,7 @@ module gyroakf_allan_reflection
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_allan_window_difference, only : gap_sums_type
+   use gyroakf_allan_window_difference, only : add_sums, gap_sums_type
    implicit none (type, external)
    private
    public :: add_reflected_differences, add_gapped_reflections, complete_weight
@@ -62,9 +62,7 @@ contains
 
    !> Both ends: centres j and n - j.
    pure real(dp) function edge_squares(phase, m, first, last)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
       !> First and last j, within 1 .. m - 1
       integer(int64), intent(in) :: first, last
@@ -102,7 +100,7 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type) :: part(batch)
+      type(gap_sums_type) :: part(batch), sum_of_batch
       integer(int64) :: blocks, b, first, last
       integer :: i
 
@@ -119,11 +117,11 @@ contains
                   & part(b - first + 1))
             end do
             !$omp end parallel do
-            last = last - first + 1
-            sums(i)%squares = sums(i)%squares + sum(part(:last)%squares)
-            sums(i)%inflation = sums(i)%inflation + sum(part(:last)%inflation)
-            sums(i)%terms = sums(i)%terms + sum(part(:last)%terms)
-            sums(i)%weight = sums(i)%weight + sum(part(:last)%weight)
+            sum_of_batch = gap_sums_type()
+            do b = 1, last - first + 1
+               call add_sums(part(b), sum_of_batch)
+            end do
+            call add_sums(sum_of_batch, sums(i))
          end do
       end do
    end subroutine add_gapped_reflections
@@ -139,17 +137,12 @@ contains
 
    !> Both ends: centres j and n - j.
    pure subroutine gapped_edges(phase, missing, m, coverage, first, last, sums)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
-      !> Share of a window that must be present
       real(dp), intent(in) :: coverage
       !> First and last j, within 1 .. m - 1
       integer(int64), intent(in) :: first, last
-      !> The sums
       type(gap_sums_type), intent(out) :: sums
 
       integer(int64) :: n, j, near, far, least
@@ -176,7 +169,6 @@ contains
       real(dp), intent(in) :: outer, inner
       !> Present samples that the outer window holds twice and once, and those of the inner window
       integer(int64), intent(in) :: twice, once, whole
-      !> Sums to add to
       type(gap_sums_type), intent(inout) :: sums
 
       real(dp) :: c1, c2, white, complete

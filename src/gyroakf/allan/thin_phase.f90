@@ -95,12 +95,10 @@ contains
       real(dp), intent(in), contiguous :: rate(:)
       type(block_sums_type), intent(in) :: blocks
       !> Samples before it, whole blocks
-      integer(int64), intent(in) :: begin
-      integer(int64), intent(in) :: m(:), step
+      integer(int64), intent(in) :: begin, m(:), step
       integer, intent(in) :: order
       !> Place for its phases, and those of the windows that reach beyond it
-      real(dp), intent(inout), contiguous :: x(0:)
-      real(dp), intent(inout), contiguous :: phase(0:)
+      real(dp), intent(inout), contiguous :: x(0:), phase(0:)
       type(gap_sums_type), intent(inout) :: sums(:)
 
       type(gap_sums_type) :: part

@@ -224,12 +224,10 @@ contains
    subroutine measure_trend(mean, samples, covariance, scale, trend, error)
       real(dp), intent(in) :: mean(block_count)
       integer(int64), intent(in) :: samples
-      !> Of the mixture
       real(dp), intent(in) :: covariance(0:)
       !> Number of the time constant that gained most; 0 of a ramp
       integer, intent(in) :: scale
       type(record_trend_type), intent(inout) :: trend
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: log_time(fine_count), cost(0:fine_count), bend
       real(dp), allocatable :: series(:, :)

@@ -11,7 +11,7 @@ module gyroakf_allan_window_difference
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
-   public :: gap_sums_type, sum_windows, add_windows, add_sums
+   public :: gap_sums_type, sum_windows, add_windows, add_sums, squared_differences
 
    !> What a record gives for one averaging factor
    type :: gap_sums_type
@@ -105,14 +105,16 @@ contains
       end do
    end subroutine sum_windows
 
-   !> Adds the sums of a stretch.
+   !> Adds the sums of some terms to those of others.
    elemental subroutine add_sums(part, total)
+      !> What is added, and to what
       type(gap_sums_type), intent(in) :: part
       type(gap_sums_type), intent(inout) :: total
 
       total%squares = total%squares + part%squares
       total%inflation = total%inflation + part%inflation
       total%terms = total%terms + part%terms
+      total%weight = total%weight + part%weight
    end subroutine add_sums
 
    !> The sums over the terms k = first, first + stride ... last.
@@ -145,40 +147,39 @@ contains
             call add_gapped(m, order, int(allowed, int32), [phase(first:beyond:m)], &
                & [missing(first:beyond:m)], 1_int64, sums)
          end if
-      else if (stride == 1) then
-         call add_complete(order, phase(first:beyond), m, sums)
       else
-         call add_complete(order, [phase(first:beyond:m)], 1_int64, sums)
+         sums%terms = (last - first)/stride + 1
+         if (stride == 1) then
+            sums%squares = squared_differences(phase(first:beyond), m, order)
+         else
+            sums%squares = squared_differences([phase(first:beyond:m)], 1_int64, order)
+         end if
       end if
    end subroutine add_windows
 
-   !> Terms of a complete record.
-   pure subroutine add_complete(order, x, step, sums)
-      integer, intent(in) :: order
+   !> Sum of the squared second or third differences of the phase.
+   pure real(dp) function squared_differences(x, step, order) result(total)
       !> Phase from the first term to the end of the last
       real(dp), intent(in), contiguous :: x(:)
       !> Places from the beginning of a window to its end
       integer(int64), intent(in) :: step
-      type(gap_sums_type), intent(inout) :: sums
-
-      real(dp) :: total
+      !> Order of the difference, 2 or 3
+      integer, intent(in) :: order
       integer(int64) :: k
 
       total = 0
-      sums%terms = size(x, kind=int64) - order*step
       if (order == 2) then
          !$omp simd reduction(+:total)
-         do k = 1, sums%terms
+         do k = 1, size(x, kind=int64) - 2*step
             total = total + ((x(k + 2*step) - x(k + step)) - (x(k + step) - x(k)))**2
          end do
       else
          !$omp simd reduction(+:total)
-         do k = 1, sums%terms
+         do k = 1, size(x, kind=int64) - 3*step
             total = total + ((x(k + 3*step) - x(k)) - 3*(x(k + 2*step) - x(k + step)))**2
          end do
       end if
-      sums%squares = total
-   end subroutine add_complete
+   end function squared_differences
 
    !> Adds the terms whose windows lack at most `allowed` samples each; of two windows the third is
    !> empty and weighs nothing.
