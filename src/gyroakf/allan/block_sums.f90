@@ -1,15 +1,18 @@
 ! SPDX-License-Identifier: MIT
-!> The first pass over a rate record: its mean, and its integral before each of the blocks that it is cut into.
+!> The first pass over a rate record: its mean, and its integral before each of the blocks that it
+!> is cut into.
 !>
-!> The sums of the blocks are taken about a first guess of the mean and accumulated with compensation. The blocks do not
-!> depend on the number of threads, and neither does any bit of the result.
+!> The sums of the blocks are taken about a first guess of the mean and accumulated with
+!> compensation. The blocks do not depend on the number of threads, and neither does any bit of the
+!> result.
 module gyroakf_allan_block_sums
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: block_sums_type, sum_blocks, present_sample, count_non_finite, block_length, parallel_from
+   public :: block_sums_type, sum_blocks, present_sample, count_non_finite, block_length, &
+      & parallel_from
 
    !> Samples in a block
    integer(int64), parameter :: block_length = 2048
@@ -117,12 +120,13 @@ contains
    integer(int64) function count_non_finite(x) result(counted)
       !> Values
       real(dp), intent(in), contiguous :: x(:)
-      integer(int64) :: first
+      integer(int64) :: first, n
 
       counted = 0
-      !$omp parallel do schedule(static) reduction(+:counted) if (size(x, kind=int64) >= parallel_from)
-      do first = 1, size(x, kind=int64), block_length
-         counted = counted + non_finite_count(x(first:min(first + block_length - 1, size(x, kind=int64))))
+      n = size(x, kind=int64)
+      !$omp parallel do schedule(static) reduction(+:counted) if (n >= parallel_from)
+      do first = 1, n, block_length
+         counted = counted + non_finite_count(x(first:min(first + block_length - 1, n)))
       end do
       !$omp end parallel do
    end function count_non_finite

@@ -10,12 +10,13 @@ module gyroakf_allan_curve
    private
    public :: allan_curve_type, fill_curve, fill_limits, fill_octaves
 
-   !> What a noise fit needs of a record: its overlapping Allan variances at m = 1, 2, 4, ... up to a quarter of it
+   !> What a noise fit needs of a record: its overlapping Allan variances at m = 1, 2, 4, ... up to
+   !> a quarter of it
    type :: octaves_type
       !> Averaging factors
       integer(int64), allocatable :: m(:)
-      !> Variances; excess kurtosis of the white noise per sample as seen at each factor; degrees of freedom as a share of
-      !> those of a complete record
+      !> Variances; excess kurtosis of the white noise per sample as seen at each factor; degrees of
+      !> freedom as a share of those of a complete record
       real(dp), allocatable :: variance(:), kurtosis(:), share(:)
    end type octaves_type
 
@@ -33,11 +34,14 @@ module gyroakf_allan_curve
       integer(int64), allocatable :: m(:), terms(:)
       !> Averaging factors that are not in the curve: missing samples leave no term
       integer(int64), allocatable :: left_out(:)
-      !> Averaging times in seconds; deviation and its limits in the unit of the rate; equivalent degrees of freedom
+      !> Averaging times in seconds; deviation and its limits in the unit of the rate; equivalent
+      !> degrees of freedom
       real(dp), allocatable :: tau(:), deviation(:), lower(:), upper(:), edf(:)
-      !> Exponent of the power-law noise that dominates (2 quantisation, 0 white, -1 flicker, -2 random walk)
+      !> Exponent of the power-law noise that dominates (2 quantisation, 0 white, -1 flicker, -2
+      !> random walk)
       integer, allocatable :: alpha(:)
-      !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples are missing or terms left out
+      !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples
+      !> are missing or terms left out
       real(dp), allocatable :: share(:)
       !> For [[fit_noise]], whatever the averaging times are; filled where kind is "oadev"
       type(octaves_type) :: octaves
@@ -49,7 +53,8 @@ contains
    subroutine fill_curve(m, variance, terms, share, curve, error)
       !> Averaging factors, and how many terms each has
       integer(int64), intent(in) :: m(:), terms(:)
-      !> Their variances (tdev: those of mdev); degrees of freedom as a share of those of a complete record
+      !> Their variances (tdev: those of mdev); degrees of freedom as a share of those of a complete
+      !> record
       real(dp), intent(in) :: variance(:), share(:)
       !> The curve, of which kind and sample interval are known; without exponents and limits
       type(allan_curve_type), intent(inout) :: curve
@@ -67,8 +72,9 @@ contains
             & "too many samples are missing: no averaging time has a complete window")
          return
       end if
-      allocate (curve%m(points), curve%terms(points), curve%tau(points), curve%deviation(points), curve%lower(points), &
-         & curve%upper(points), curve%edf(points), curve%alpha(points), curve%share(points), stat=stat)
+      allocate (curve%m(points), curve%terms(points), curve%tau(points), curve%deviation(points), &
+         & curve%lower(points), curve%upper(points), curve%edf(points), curve%alpha(points), &
+         & curve%share(points), stat=stat)
       if (stat /= 0) then
          call fatal_error(error, status%no_memory, "no memory for the Allan curve")
          return
@@ -88,7 +94,8 @@ contains
       integer :: i
 
       do i = 1, size(curve%m)
-         curve%edf(i) = curve%share(i)*statistic_edf(curve%kind, curve%samples + 1, curve%m(i), curve%alpha(i))
+         curve%edf(i) = curve%share(i)*statistic_edf(curve%kind, curve%samples + 1, curve%m(i), &
+            & curve%alpha(i))
       end do
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
    end subroutine fill_limits

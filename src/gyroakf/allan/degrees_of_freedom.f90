@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Equivalent degrees of freedom (edf) of Allan-family variances, and confidence limits from them.
 !>
-!> An estimate with edf degrees of freedom is distributed like its expectation times chi-square(edf)/edf.
-!> The algorithm is that of C. A. Greenhall, W. J. Riley, "Uncertainty of stability variances based on
-!> finite differences", Proc. 35th PTTI Meeting (2003), complete, with the short cases of white phase
-!> noise. Notation of the paper: difference d (1 first differences, 2 Allan, 3 Hadamard), filter factor F,
-!> stride factor S, number of estimates M', number of terms J, r = M'/S; lags are in units of m.
+!> An estimate with edf degrees of freedom is distributed like its expectation times
+!> chi-square(edf)/edf. The algorithm is that of C. A. Greenhall, W. J. Riley, "Uncertainty of
+!> stability variances based on finite differences", Proc. 35th PTTI Meeting (2003), complete, with
+!> the short cases of white phase noise. Notation of the paper: difference d (1 first differences, 2
+!> Allan, 3 Hadamard), filter factor F, stride factor S, number of estimates M', number of terms J,
+!> r = M'/S; lags are in units of m.
 module gyroakf_allan_degrees_of_freedom
    use gyroakf_kinds, only : dp, int64
    use gyroakf_special, only : chi_square_quantile, normal_quantile
@@ -20,18 +21,22 @@ module gyroakf_allan_degrees_of_freedom
    !> Filter factor that stands for infinity
    real(dp), parameter :: unlimited = 0.0_dp
    !> Table 3 of the paper: b0, b1 of flicker phase noise for each difference
-   real(dp), parameter :: table3(2, 3) = reshape([6.0_dp, 4.0_dp, 15.23_dp, 12.0_dp, 47.8_dp, 40.0_dp], [2, 3])
+   real(dp), parameter :: table3(2, 3) = &
+      & reshape([6.0_dp, 4.0_dp, 15.23_dp, 12.0_dp, 47.8_dp, 40.0_dp], [2, 3])
 
 contains
 
-   !> Equivalent degrees of freedom of a variance of finite differences, 0 where the record is too short.
-   pure real(dp) function greenhall_edf(phases, m, alpha, difference, modified, overlapped) result(edf)
+   !> Equivalent degrees of freedom of a variance of finite differences, 0 where the record is too
+   !> short.
+   pure real(dp) function greenhall_edf(phases, m, alpha, difference, modified, &
+      & overlapped) result(edf)
       !> Phase points: one more than rate samples
       integer(int64), intent(in) :: phases
       !> Averaging factor, >= 1
       integer(int64), intent(in) :: m
-      !> Exponent of the power-law noise of the rate, spectrum ~ f**alpha: 2 white phase (quantisation), 1 flicker
-      !> phase, 0 white rate, -1 flicker, -2 random walk; moved to the nearest value the difference can handle, 2 .. 2 - 2 d
+      !> Exponent of the power-law noise of the rate, spectrum ~ f**alpha: 2 white phase
+      !> (quantisation), 1 flicker phase, 0 white rate, -1 flicker, -2 random walk; moved to the
+      !> nearest value the difference can handle, 2 .. 2 - 2 d
       integer, intent(in) :: alpha
       !> Order of the difference: 1, 2 (Allan) or 3 (Hadamard)
       integer, intent(in) :: difference
@@ -58,7 +63,8 @@ contains
       if (modified) then
          edf = edf_filtered(estimates, stride, 1.0_dp, 1.0_dp, a, d, table1(a, d))
       else if (a <= 0) then
-         edf = edf_filtered(estimates, stride, merge(real(m, dp), unlimited, m*(d + 1) <= terms_max), unlimited, a, d, table2(a, d))
+         edf = edf_filtered(estimates, stride, &
+            & merge(real(m, dp), unlimited, m*(d + 1) <= terms_max), unlimited, a, d, table2(a, d))
       else if (a == 1) then
          scale = table3(1, d) + table3(2, d)*log(real(m, dp))
          edf = edf_filtered(estimates, stride, real(m, dp), unlimited, a, d, table2(a, d), scale)
@@ -68,7 +74,8 @@ contains
    end function greenhall_edf
 
    !> Cases 1 to 3 of the paper: modified variances, and unmodified ones with alpha <= 1.
-   pure real(dp) function edf_filtered(estimates, stride, filter, filter_long, alpha, d, table, scale) result(edf)
+   pure real(dp) function edf_filtered(estimates, stride, filter, filter_long, alpha, d, table, &
+      & scale) result(edf)
       integer(int64), intent(in) :: estimates, stride
       !> Filter factor F of the direct sum, and of the scaled one
       real(dp), intent(in) :: filter, filter_long
@@ -84,7 +91,8 @@ contains
       r = real(estimates, dp)/real(stride, dp)
       if (terms <= terms_max) then
          s = real(estimates, dp)
-         edf = s*structure_z(0.0_dp, filter, alpha, d)**2/basic_sum(terms, s, real(stride, dp), filter, alpha, d)
+         edf = s*structure_z(0.0_dp, filter, alpha, d)**2/basic_sum(terms, s, &
+            & real(stride, dp), filter, alpha, d)
       else if (r > d + 1) then
          edf = r/(table(1) - table(2)/r)
          if (present(scale)) edf = scale**2*edf
@@ -123,9 +131,11 @@ contains
       integer(int64) :: j
 
       total = structure_z(0.0_dp, filter, alpha, d)**2 &
-         & + (1 - real(terms, dp)/estimates)*structure_z(real(terms, dp)/stride, filter, alpha, d)**2
+         & + (1 - real(terms, dp)/estimates) &
+         & *structure_z(real(terms, dp)/stride, filter, alpha, d)**2
       do j = 1, terms - 1
-         total = total + 2*(1 - real(j, dp)/estimates)*structure_z(real(j, dp)/stride, filter, alpha, d)**2
+         total = total + 2*(1 - real(j, dp)/estimates)*structure_z(real(j, dp)/stride, filter, &
+            & alpha, d)**2
       end do
    end function basic_sum
 
@@ -137,7 +147,8 @@ contains
 
       s = binomial(2*d, d)*structure_x(t, filter, alpha)
       do k = 1, d
-         s = s + (-1)**k*binomial(2*d, d - k)*(structure_x(t - k, filter, alpha) + structure_x(t + k, filter, alpha))
+         s = s + (-1)**k*binomial(2*d, d - k)*(structure_x(t - k, filter, alpha) &
+            & + structure_x(t + k, filter, alpha))
       end do
    end function structure_z
 
@@ -149,7 +160,8 @@ contains
       if (filter <= unlimited) then
          s = structure_w(t, alpha + 2)
       else
-         s = filter**2*(2*structure_w(t, alpha) - structure_w(t - 1/filter, alpha) - structure_w(t + 1/filter, alpha))
+         s = filter**2*(2*structure_w(t, alpha) - structure_w(t - 1/filter, alpha) &
+            & - structure_w(t + 1/filter, alpha))
       end if
    end function structure_x
 
@@ -241,7 +253,8 @@ contains
    !> Quantile of chi-square divided by its degrees of freedom.
    pure real(dp) function scaled_quantile(p, edf) result(q)
       real(dp), intent(in) :: p
-      !> Degrees of freedom; from 1e6 on by the cube of a normal variable (Wilson & Hilferty 1931, exact to 1e-10 there)
+      !> Degrees of freedom; from 1e6 on by the cube of a normal variable (Wilson & Hilferty 1931,
+      !> exact to 1e-10 there)
       real(dp), intent(in) :: edf
 
       if (edf < edf_max) then

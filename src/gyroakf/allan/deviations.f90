@@ -7,27 +7,33 @@
 !>     call compute_allan(rate, sample_interval, options, curve, error)
 !>     call compute_allan_from_phase(angle, sample_interval, options, curve, error)
 !>
-!> With x_0 = 0, x_k the sum of the first k rates less their mean (n rates: n + 1 phases) and T terms:
+!> With x_0 = 0, x_k the sum of the first k rates less their mean (n rates: n + 1 phases),
+!> and T terms:
 !>
 !> $$ \mathrm{oadev}^2 = \frac{1}{2 m^2 T} \sum_{k=0}^{n-2m} (x_{k+2m} - 2 x_{k+m} + x_k)^2, \quad
-!>    \mathrm{ohdev}^2 = \frac{1}{6 m^2 T} \sum_{k=0}^{n-3m} (x_{k+3m} - 3 x_{k+2m} + 3 x_{k+m} - x_k)^2 $$
+!>    \mathrm{ohdev}^2 =
+!>    \frac{1}{6 m^2 T} \sum_{k=0}^{n-3m} (x_{k+3m} - 3 x_{k+2m} + 3 x_{k+m} - x_k)^2 $$
 !>
-!> adev and hdev are the same with k = 0, m, 2m ... (the Hadamard deviations do not see a steady drift of the rate);
+!> adev and hdev are the same with k = 0, m, 2m ... (the Hadamard deviations do not see a steady
+!> drift of the rate);
 !>
-!> $$ \mathrm{mdev}^2 = \frac{1}{2 m^4 T} \sum_{j=0}^{n-3m+1} \Bigl( \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i) \Bigr)^2,
+!> $$ \mathrm{mdev}^2 = \frac{1}{2 m^4 T} \sum_{j=0}^{n-3m+1}
+!>    \Bigl( \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i) \Bigr)^2,
 !>    \quad \mathrm{tdev} = \frac{\tau}{\sqrt 3} \mathrm{mdev} $$
 !>
-!> (tdev in the unit of the rate times seconds), and the total deviation over the phase x* continued by odd reflection
+!> (tdev in the unit of the rate times seconds), and the total deviation over the phase x* continued
+!> by odd reflection
 !>
-!> $$ \mathrm{totdev}^2 = \frac{1}{2 m^2 (n - 1)} \sum_{k=1}^{n-1} (x^*_{k+m} - 2 x^*_k + x^*_{k-m})^2 $$
+!> $$ \mathrm{totdev}^2 =
+!>    \frac{1}{2 m^2 (n - 1)} \sum_{k=1}^{n-1} (x^*_{k+m} - 2 x^*_k + x^*_{k-m})^2 $$
 !>
-!> as it is, without correction of its bias: the expectation is that of oadev^2 times 1 - a tau/T, T the length of the record, a =
-!> 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate noise.
+!> as it is, without correction of its bias: the expectation is that of oadev^2 times 1 - a tau/T, T
+!> the length of the record, a = 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate
+!> noise.
 !>
-!> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008), section 5.2.
-!> Missing samples: [[gapped_variances]].
+!> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008),
+!> section 5.2. Missing samples: [[gapped_variances]].
 module gyroakf_allan_deviations
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
@@ -35,14 +41,14 @@ module gyroakf_allan_deviations
    use gyroakf_allan_curve, only : allan_curve_type, fill_curve, fill_limits, fill_octaves
    use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_grid, only : averaging_factors
-   use gyroakf_allan_noise_identification, only : identify_noise, means_max
-   use gyroakf_allan_phase, only : integrate_blocks, integrate_rate, level_phase
+   use gyroakf_allan_noise_identification, only : identify_noise
+   use gyroakf_allan_phase, only : integrate_blocks, level_phase
    use gyroakf_allan_phase_average, only : sum_phase_averages
    use gyroakf_allan_reflection, only : add_reflected_differences
    use gyroakf_allan_phase_difference, only : sum_phase_differences
-   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, term_count, &
-      & variance_divisor
-   use gyroakf_allan_thin_phase, only : choose_step, integrate_thin
+   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, &
+      & term_count, variance_divisor
+   use gyroakf_allan_thin_phase, only : choose_step, fill_from_few_phases
    use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    implicit none (type, external)
    private
@@ -50,14 +56,16 @@ module gyroakf_allan_deviations
 
    !> What to compute
    type :: allan_options
-      !> Statistic: "adev", "oadev" (overlapping Allan deviation), "mdev", "tdev", "hdev", "ohdev" or "totdev"
+      !> Statistic: "adev", "oadev" (overlapping Allan deviation), "mdev", "tdev", "hdev", "ohdev"
+      !> or "totdev"
       character(8) :: kind = "oadev"
-      !> Averaging times: "octave" (also when unallocated), "decade", "log:N", "all", or seconds separated by commas
+      !> Averaging times: "octave" (also when unallocated), "decade", "log:N", "all", or seconds
+      !> separated by commas
       character(:), allocatable :: taus
       !> Probability between the limits, > 0, < 1
       real(dp) :: confidence = 0.683_dp
-      !> Share of a window that must be present, > 0, <= 1, but for scattered losses ([[window_coverage]]); 1 demands complete
-      !> windows
+      !> Share of a window that must be present, > 0, <= 1, but for scattered losses
+      !> ([[window_coverage]]); 1 demands complete windows
       real(dp) :: min_coverage = 0.9_dp
    end type allan_options
 
@@ -65,12 +73,13 @@ contains
 
    !> Deviation curve of a rate record with chi-square confidence limits.
    !>
-   !> The degrees of freedom are those of the power-law noise identified at each averaging time (Greenhall &
-   !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] replaces those of
-   !> the overlapping Allan deviation by those of the fitted mixture.
-   !> Cost: three passes and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
+   !> The degrees of freedom are those of the power-law noise identified at each averaging time
+   !> (Greenhall & Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] replaces
+   !> those of the overlapping Allan deviation by those of the fitted mixture. Cost: three passes
+   !> and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
    subroutine compute_allan(rate, sample_interval, options, curve, error, valid, progress)
-      !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity count as missing
+      !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity
+      !> count as missing
       real(dp), intent(in), contiguous :: rate(:)
       !> Seconds, > 0
       real(dp), intent(in) :: sample_interval
@@ -92,63 +101,28 @@ contains
       integer :: place
 
       call check_arguments(sample_interval, options, error)
-      if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
-      if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, progress)
+      if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), &
+         & sample_interval, m, error)
+      if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, &
+         & progress)
       if (.not. allocated(error)) call sum_blocks(rate, blocks, error, valid)
       if (allocated(error)) return
       call begin_curve(options, size(rate, kind=int64), sample_interval, curve)
       place = 0
-      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) place = choose_step(size(rate, kind=int64), m)
+      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) &
+         & place = choose_step(size(rate, kind=int64), m)
       if (place > 0) then
-         call curve_of_thin_phase(rate, blocks, m, place, options, curve, error, progress)
+         call fill_from_few_phases(rate, blocks, m, place, options%min_coverage, curve, error, &
+            & progress)
       else
          call integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
-         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, options, curve, error, progress)
+         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, options, curve, error, &
+            & progress)
       end if
    end subroutine compute_allan
 
-   !> The curve of a long record of which few phases are needed.
-   subroutine curve_of_thin_phase(rate, blocks, m, place, options, curve, error, progress)
-      !> Rate samples, none missing: [n]
-      real(dp), intent(in), contiguous :: rate(:)
-      type(block_sums_type), intent(in) :: blocks
-      !> Averaging factors, and the place of the step among them
-      integer(int64), intent(in) :: m(:)
-      integer, intent(in) :: place
-      type(allan_options), intent(in) :: options
-      type(allan_curve_type), intent(inout) :: curve
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-
-      type(gap_sums_type) :: sums(size(m))
-      real(dp), allocatable :: phase(:)
-      integer(int32), allocatable :: none(:)
-      integer(int64) :: n, terms(size(m)), seen
-      integer :: order
-
-      n = size(rate, kind=int64)
-      order = difference_order(options%kind)
-      call integrate_thin(rate, blocks, m(:place - 1), order, m(place), phase, sums(:place - 1), error, progress)
-      if (.not. allocated(error)) call sum_windows(phase, m(place:)/m(place), order, .false., sums(place:), error, &
-         & progress=progress)
-      if (allocated(error)) return
-      terms = term_count(options%kind, n, m)
-      call fill_curve(m, sums%squares/(variance_divisor(options%kind, m)*real(terms, dp)), &
-         & terms, spread(1.0_dp, 1, size(m)), curve, error)
-      if (.not. allocated(error)) call identify_noise(phase, m(place:)/m(place), options%min_coverage, curve%alpha(place:), error, &
-         & differences=order)
-      if (allocated(error)) return
-      if (place > 1) then                                  ! the others look at the middle of the record
-         seen = min(n, means_max*m(place - 1) + modulo(n, 2_int64))
-         call integrate_rate(rate((n - seen)/2 + 1:(n - seen)/2 + seen), phase, none, error)
-         if (.not. allocated(error)) call identify_noise(phase, m(:place - 1), options%min_coverage, curve%alpha(:place - 1), &
-            & error, differences=order)
-         if (allocated(error)) return
-      end if
-      call fill_limits(curve)
-   end subroutine curve_of_thin_phase
-
-   !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the sample intervals.
+   !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the
+   !> sample intervals.
    !>
    !> The straight line through the first and the last phase is taken out before anything else.
    !> Memory 8 bytes a phase.
@@ -170,7 +144,8 @@ contains
 
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) then
-         call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, m, error)
+         call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, &
+            & m, error)
       end if
       if (.not. allocated(error)) call level_phase(phase, sample_interval, level, error)
       if (allocated(error)) return
@@ -199,10 +174,11 @@ contains
       else if (points > 0) then
          allocate (m(points), stat=stat)
          if (stat == 0) m(:) = grid(:points)
-         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the averaging factors")
+         if (stat /= 0) call fatal_error(error, status%no_memory, &
+            & "no memory for the averaging factors")
       else
-         call fatal_error(error, status%too_few_samples, "no averaging time is short enough for the "//trim(options%kind)// &
-            & " of this record")
+         call fatal_error(error, status%too_few_samples, &
+            & "no averaging time is short enough for the "//trim(options%kind)//" of this record")
       end if
    end subroutine choose_factors
 
@@ -243,20 +219,25 @@ contains
          return
       end if
       if (allocated(missing)) then
-         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, variance, terms, share, error, progress)
+         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, &
+            & variance, terms, share, error, progress)
       else
          call complete_variances(options%kind, phase, all_m, variance, terms, error, progress)
          share = 1
       end if
       if (allocated(error)) return
-      if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, share, curve%octaves)
-      call fill_curve(pack(all_m, shown), pack(variance, shown), pack(terms, shown), pack(share, shown), curve, error)
+      if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, share, &
+         & curve%octaves)
+      call fill_curve(pack(all_m, shown), pack(variance, shown), pack(terms, shown), &
+         & pack(share, shown), curve, error)
       if (allocated(error)) return
-      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, error, missing, difference_order(curve%kind))
+      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, error, missing, &
+         & difference_order(curve%kind))
       call fill_limits(curve)
    end subroutine curve_of_phase
 
-   !> The averaging factors to be computed: those that are shown, and for the overlapping Allan deviation the octaves.
+   !> The averaging factors to be computed: those that are shown, and for the overlapping Allan
+   !> deviation the octaves.
    pure subroutine add_octaves(kind, samples, m, all_m, shown)
       character(*), intent(in) :: kind
       integer(int64), intent(in) :: samples, m(:)
@@ -299,7 +280,8 @@ contains
          call sum_phase_averages(phase, m, variance, error, progress)
       case default
          call sum_phase_differences(phase, m, difference_order(kind), variance, error, progress)
-         if (kind == "totdev" .and. .not. allocated(error)) call add_reflected_differences(phase, m, variance, error, progress)
+         if (kind == "totdev" .and. .not. allocated(error)) &
+            & call add_reflected_differences(phase, m, variance, error, progress)
       end select
       if (allocated(error)) return
       variance = variance/(variance_divisor(kind, m)*real(terms, dp))
@@ -314,19 +296,12 @@ contains
       call check_statistic(options%kind, error)
       if (.not. allocated(error)) call check_sample_interval(sample_interval, error)
       if (allocated(error)) return
-      if (.not. (positive(options%confidence) .and. positive(1 - options%confidence))) then
+      if (.not. (options%confidence > 0 .and. options%confidence < 1)) then
          call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
-      else if (.not. positive(options%min_coverage) .or. positive(options%min_coverage - 1)) then
-         call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")
+      else if (.not. (options%min_coverage > 0 .and. options%min_coverage <= 1)) then
+         call fatal_error(error, status%invalid_argument, &
+            & "the coverage of a window must be above 0 and at most 1")
       end if
    end subroutine check_arguments
-
-   !> Finite and above zero.
-   pure logical function positive(x)
-      real(dp), intent(in) :: x
-
-      positive = .false.
-      if (ieee_is_finite(x)) positive = x > 0
-   end function positive
 
 end module gyroakf_allan_deviations

@@ -10,13 +10,15 @@ module gyroakf_allan_fit_statement
    use gyroakf_allan_fit_covariance, only : mixture_freedom
    use gyroakf_allan_fit_selection, only : noise_options, upper_limit
    use gyroakf_allan_fit_solver, only : fit_points_type, solution_type, whitened
-   use gyroakf_allan_noise_model, only : model_variance, term_count, term_flicker, term_quantization, term_ramp, term_walk, &
-      & term_white, terms
+   use gyroakf_allan_noise_model, only : model_variance, term_count, term_flicker, &
+      & term_quantization, term_ramp, term_walk, term_white, terms
    implicit none (type, external)
    private
-   public :: coefficient_type, noise_type, estimate_type, state_fit, state_coefficients, state_unquantized, give_limits
+   public :: coefficient_type, noise_type, estimate_type, state_fit, state_coefficients, &
+      & state_unquantized, give_limits
 
-   !> A coefficient, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R: u/s)
+   !> A coefficient, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R:
+   !> u/s)
    type :: coefficient_type
       !> Estimate, >= 0, and standard error; 0 of a term that is not in the fit
       real(dp) :: value = 0.0_dp, std_error = 0.0_dp
@@ -34,32 +36,40 @@ module gyroakf_allan_fit_statement
    type :: noise_type
       !> Q N B K R
       type(coefficient_type) :: coefficient(term_count)
-      !> Covariance of these estimates, in the product of their units; 0 beside a term that is not in the fit
+      !> Covariance of these estimates, in the product of their units; 0 beside a term that is not
+      !> in the fit
       real(dp) :: covariance(term_count, term_count) = 0.0_dp
-      !> Chance does not explain chi-square: the covariance is multiplied by chi-square per degree of freedom
+      !> Chance does not explain chi-square: the covariance is multiplied by chi-square per degree
+      !> of freedom
       logical :: errors_increased = .false.
-      !> N without quantization, sqrt(N^2 - lsb^2 dt/12): "withheld" where the step is above two standard deviations of the noise;
-      !> "" where it is of no account, or N is not stated. And the step in these standard deviations
+      !> N without quantization, sqrt(N^2 - lsb^2 dt/12): "withheld" where the step is above two
+      !> standard deviations of the noise; "" where it is of no account, or N is not stated. And the
+      !> step in these standard deviations
       type(coefficient_type) :: unquantized
       real(dp) :: lsb_ratio = 0.0_dp
       !> A run of points follows the terms
       logical :: described = .false.
-      !> Degrees of freedom, chi-square per degree (0 where none is left), and the chance of a chi-square as large
+      !> Degrees of freedom, chi-square per degree (0 where none is left), and the chance of a
+      !> chi-square as large
       integer :: chi2_freedom = 0
       real(dp) :: chi2_reduced = 0.0_dp, chi2_probability = 1.0_dp
-      !> Points that were fitted, points excluded before and after them; first and last averaging time fitted, s
+      !> Points that were fitted, points excluded before and after them; first and last averaging
+      !> time fitted, s
       integer :: points = 0, left_out = 0, cut_off = 0
       real(dp) :: tau_first = 0.0_dp, tau_last = 0.0_dp
-      !> Floor of the relative deviation of the variances from the terms, 0 where chance explains it; excess kurtosis of the
-      !> white noise per sample, 0 where it is not significant
+      !> Floor of the relative deviation of the variances from the terms, 0 where chance explains
+      !> it; excess kurtosis of the white noise per sample, 0 where it is not significant
       real(dp) :: floor = 0.0_dp, kurtosis = 0.0_dp
-      !> Averaging times of the octaves, s; distance of the curve from the terms there in standard deviations, 0 where excluded
+      !> Averaging times of the octaves, s; distance of the curve from the terms there in standard
+      !> deviations, 0 where excluded
       real(dp), allocatable :: tau(:), residual(:)
       !> Fitted deviation at each averaging time of the curve, 0 where the fit says nothing
       real(dp), allocatable :: model(:)
-      !> What a fit without K, and one without K and R, costs more of chi-square and prices; 0 where nothing is described
+      !> What a fit without K, and one without K and R, costs more of chi-square and prices; 0 where
+      !> nothing is described
       real(dp) :: walk_margin = 0.0_dp, drift_margin = 0.0_dp
-      !> Q^2 N^2 B^2 K^2 R^2 of the fitted mixture for a sample interval of 1, in the square of the curve's unit
+      !> Q^2 N^2 B^2 K^2 R^2 of the fitted mixture for a sample interval of 1, in the square of the
+      !> curve's unit
       real(dp) :: squares(term_count) = 0.0_dp
    end type noise_type
 
@@ -70,7 +80,8 @@ module gyroakf_allan_fit_statement
       !> Unit of the variances, units of the coefficients, sample interval, s
       real(dp) :: scale = 1.0_dp, unit(term_count) = 1.0_dp, interval = 1.0_dp
       !> Terms on offer, those of the best set, those that are stated
-      logical :: offered(term_count) = .true., chosen(term_count) = .false., stated(term_count) = .false.
+      logical :: offered(term_count) = .true., chosen(term_count) = .false., &
+         & stated(term_count) = .false.
       !> The points are those of the user; the terms are, too
       logical :: own_points = .false., own_terms = .false.
       !> What a fit without K, and one without K and R, costs more
@@ -105,7 +116,8 @@ contains
          noise%chi2_freedom = noise%points - count(e%chosen)
          if (noise%chi2_freedom > 0) then
             noise%chi2_reduced = e%final%chi_square/noise%chi2_freedom
-            noise%chi2_probability = chi_square_survival(e%final%chi_square, real(noise%chi2_freedom, dp))
+            noise%chi2_probability = chi_square_survival(e%final%chi_square, &
+               & real(noise%chi2_freedom, dp))
          end if
          noise%squares = max(0.0_dp, squares)*e%scale
          noise%walk_margin = e%margin(1)
@@ -113,12 +125,14 @@ contains
          ! covariance of the squares, (B' C^-1 B)^-1, then of the coefficients
          place = pack(terms, e%chosen)
          k = size(place)
-         columns = whitened(e%final%covariance, run%shape(:, place)/spread(matmul(run%shape, squares), 2, k))
+         columns = whitened(e%final%covariance, &
+            & run%shape(:, place)/spread(matmul(run%shape, squares), 2, k))
          inverse = matmul(transpose(columns), columns)
          call dpotrf("U", k, inverse, k, info)
          if (info == 0) call dpotri("U", k, inverse, k, info)
          if (info /= 0) then
-            call fatal_error(error, status%singular, "the noise terms are collinear at these averaging times")
+            call fatal_error(error, status%singular, &
+               & "the noise terms are collinear at these averaging times")
             return
          end if
          unit(place) = e%unit(place)/(2*sqrt(abs(squares(place))))
@@ -140,7 +154,8 @@ contains
       integer :: j
 
       call find_withheld(options, estimate, withheld)
-      where (spread(withheld, 1, term_count) .or. spread(withheld, 2, term_count)) noise%covariance = 0
+      where (spread(withheld, 1, term_count) &
+         & .or. spread(withheld, 2, term_count)) noise%covariance = 0
       do j = 1, term_count
          associate (c => noise%coefficient(j), e => estimate)
             if (withheld(j)) then
@@ -152,14 +167,16 @@ contains
                c%detected = e%stated(j)
                c%state = merge("value", "limit", c%detected)
                c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
-               if (.not. c%detected) c%upper_limit = e%unit(j)*sqrt(upper_limit(e%run, options, e%offered, j, e%full%squares))
+               if (.not. c%detected) c%upper_limit = &
+                  & e%unit(j)*sqrt(upper_limit(e%run, options, e%offered, j, e%full%squares))
             end if
          end associate
       end do
    end subroutine state_coefficients
 
-   !> N without the variance lsb^2/12 of rounding, which is white noise where a step is not above two standard deviations of the
-   !> noise before it (W. F. Sheppard, Proc. London Math. Soc. 29, 1898); these are taken from the differences of neighbors.
+   !> N without the variance lsb^2/12 of rounding, which is white noise where a step is not above
+   !> two standard deviations of the noise before it (W. F. Sheppard, Proc. London Math. Soc. 29,
+   !> 1898); these are taken from the differences of neighbors.
    pure subroutine state_unquantized(options, estimate, noise)
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(in) :: estimate
@@ -174,7 +191,8 @@ contains
          square = n%value**2 - options%lsb**2*estimate%interval/12
          if (noise%lsb_ratio > options%lsb_range(2) .or. square <= 0) return
          deviation = n%std_error*n%value/sqrt(square)
-         c = coefficient_type(sqrt(square), deviation, sqrt(square) + sqrt(options%limit_rise)*deviation, .true., .true., "value")
+         c = coefficient_type(sqrt(square), deviation, &
+            & sqrt(square) + sqrt(options%limit_rise)*deviation, .true., .true., "value")
       end associate
    end subroutine state_unquantized
 
@@ -193,14 +211,16 @@ contains
          n = size(run%m)
          share = run%shape*spread(max(0.0_dp, estimate%final%squares), 1, n)
          share = share/spread(sum(share, dim=2), 2, term_count)
-         if (run%first > 1) withheld(term_white) = minval(share(:min(3, n), term_white)) < options%plain_share
+         if (run%first > 1) withheld(term_white) = &
+            & minval(share(:min(3, n), term_white)) < options%plain_share
          if (run%first + n - 1 == size(estimate%curve%m)) return
          withheld([term_walk, term_ramp]) = .true.
          withheld(term_flicker) = minval(share(max(1, n - 2):, term_flicker)) < options%plain_share
       end associate
    end subroutine find_withheld
 
-   !> The fitted deviations, and degrees of freedom and limits of the curve from the fit of all terms without its floor.
+   !> The fitted deviations, and degrees of freedom and limits of the curve from the fit of all
+   !> terms without its floor.
    subroutine give_limits(estimate, curve, noise)
       type(estimate_type), intent(in) :: estimate
       type(allan_curve_type), intent(inout) :: curve
@@ -219,7 +239,8 @@ contains
          do i = 1, size(curve%m)
             m = real(curve%m(i), dp)
             outside = curve%m(i) < run%m(1) .or. curve%m(i) > 2*longest
-            if (.not. outside) noise%model(i) = sqrt(estimate%scale*model_variance(estimate%final%squares, m))
+            if (.not. outside) noise%model(i) = &
+               & sqrt(estimate%scale*model_variance(estimate%final%squares, m))
             white = squares(term_white)/(m*model_variance(squares, m))
             edf(i) = 2*curve%share(i)/(2/edf(i) + run%excess/real(run%samples, dp)*white**2)
             if (outside) edf(i) = min(edf(i), curve%edf(i))

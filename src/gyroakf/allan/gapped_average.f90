@@ -1,22 +1,27 @@
 ! SPDX-License-Identifier: MIT
-!> Squared differences of triangular means with missing samples: the work of the modified Allan variance with gaps.
+!> Squared differences of triangular means with missing samples: the work of the modified Allan
+!> variance with gaps.
 !>
-!> The second difference of the phase averages is the difference of two means of the rate, whose weights form triangles
-!> T(s) = s for s = 1 .. m, 2m - s for s = m .. 2m - 1, the second m samples after the first. With p = 1 where a
-!> sample is there and 0 where it is missing, both are taken over the samples that are there:
+!> The second difference of the phase averages is the difference of two means of the rate, whose
+!> weights form triangles T(s) = s for s = 1 .. m, 2m - s for s = m .. 2m - 1, the second m samples
+!> after the first. With p = 1 where a sample is there and 0 where it is missing, both are taken
+!> over the samples that are there:
 !>
-!> $$ z_j = \frac{\sum_s T(s)\, p_{j+m+s}\, w_{j+m+s}}{D_{j+m}} - \frac{\sum_s T(s)\, p_{j+s}\, w_{j+s}}{D_j}, \quad
+!> $$ z_j = \frac{\sum_s T(s)\, p_{j+m+s}\, w_{j+m+s}}{D_{j+m}} -
+!>    \frac{\sum_s T(s)\, p_{j+s}\, w_{j+s}}{D_j}, \quad
 !>    D_j = \sum_s T(s)\, p_{j+s} $$
 !>
 !> (D = m^2 in a complete record). White noise of variance 1 gives z the variance
 !>
-!> $$ V_j = \frac{E_j}{D_j^2} + \frac{E_{j+m}}{D_{j+m}^2} - \frac{2 F_j}{D_j D_{j+m}}, \quad E_j = \sum_s T(s)^2 p_{j+s}, \quad
+!> $$ V_j = \frac{E_j}{D_j^2} + \frac{E_{j+m}}{D_{j+m}^2} - \frac{2 F_j}{D_j D_{j+m}}, \quad
+!>    E_j = \sum_s T(s)^2 p_{j+s}, \quad
 !>    F_j = \sum_{s=1}^{m} s (m - s)\, p_{j+m+s} $$
 !>
-!> and (m^2 + 1)/m^3 in a complete record; the sum of the differences is what [[gapped_variances]] takes out. D, E and F follow from
-!> the number of missing samples in the three windows of m samples and its first two moments about their beginnings, which go
-!> from term to term by recursion, as the sums of the rate do: a term costs the same whatever m. The recursions restart
-!> at fixed places: no bit depends on the number of threads.
+!> and (m^2 + 1)/m^3 in a complete record; the sum of the differences is what [[gapped_variances]]
+!> takes out. D, E and F follow from the number of missing samples in the three windows of m samples
+!> and its first two moments about their beginnings, which go from term to term by recursion, as the
+!> sums of the rate do: a term costs the same whatever m. The recursions restart at fixed places: no
+!> bit depends on the number of threads.
 module gyroakf_allan_gapped_average
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -37,7 +42,8 @@ module gyroakf_allan_gapped_average
    type :: state_type
       !> Sums of the rate, weighted by the triangles
       real(dp) :: first = 0.0_dp, second = 0.0_dp
-      !> Missing samples in each window: their number, and the sums of their places and squared places, counted from 1
+      !> Missing samples in each window: their number, and the sums of their places and squared
+      !> places, counted from 1
       real(dp) :: lost(3) = 0.0_dp, place(3) = 0.0_dp, square(3) = 0.0_dp
    end type state_type
 
@@ -76,12 +82,14 @@ contains
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()
       do from = total, 1, -group
-         call report_progress("Allan deviation", chain_least*(total - from), chain_least*total, error, progress)
+         call report_progress("Allan deviation", chain_least*(total - from), chain_least*total, &
+            & error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(dynamic) private(i) if ((terms - 3)*size(m) >= parallel_from)
          do item = from, max(from - group + 1, 1_int64), -1
             i = chain(item)%factor
-            call add_chain(phase, missing, m(i), coverage(i), chain(item)%begin, chain(item)%terms, part(item))
+            call add_chain(phase, missing, m(i), coverage(i), chain(item)%begin, &
+               & chain(item)%terms, part(item))
          end do
          !$omp end parallel do
       end do
@@ -157,20 +165,23 @@ contains
       type(state_type), intent(inout) :: state
 
       real(dp) :: new(3), length
+      integer(int64) :: n
 
       state%first = state%first + ((phase(j + 2*m) - phase(j + m)) - (phase(j + m) - phase(j)))
-      state%second = state%second + ((phase(j + 3*m) - phase(j + 2*m)) - (phase(j + 2*m) - phase(j + m)))
-      if (complete .and. missing(min(j + 3*m + 1, ubound(missing, 1, kind=int64))) == missing(j + 3*m - 1)) return
+      state%second = state%second &
+         & + ((phase(j + 3*m) - phase(j + 2*m)) - (phase(j + 2*m) - phase(j + m)))
+      n = ubound(missing, 1, kind=int64)
+      if (complete .and. missing(min(j + 3*m + 1, n)) == missing(j + 3*m - 1)) return
       length = real(m, dp)
       new(1) = real(missing(j + m + 1) - missing(j + m), dp)
       new(2) = real(missing(j + 2*m + 1) - missing(j + 2*m), dp)
       new(3) = 0
-      if (j + 3*m < ubound(missing, 1, kind=int64)) new(3) = real(missing(j + 3*m + 1) - missing(j + 3*m), dp)
+      if (j + 3*m < n) new(3) = real(missing(j + 3*m + 1) - missing(j + 3*m), dp)
       state%square = state%square - 2*state%place + state%lost + length**2*new
       state%place = state%place - state%lost + length*new
       state%lost(1) = real(missing(j + 1 + m) - missing(j + 1), dp)
       state%lost(2) = real(missing(j + 1 + 2*m) - missing(j + 1 + m), dp)
-      state%lost(3) = real(missing(min(j + 1 + 3*m, ubound(missing, 1, kind=int64))) - missing(j + 1 + 2*m), dp)
+      state%lost(3) = real(missing(min(j + 1 + 3*m, n)) - missing(j + 1 + 2*m), dp)
       where (state%lost <= 0)                               ! no rounding is carried on
          state%place = 0
          state%square = 0

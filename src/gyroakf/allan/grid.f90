@@ -7,7 +7,7 @@
 !> | `decade` | 1, 2, 5, 10, 20, 50 ... (1, 2, 5 in every decade) |
 !> | `log:N` | N evenly spaced in every decade of m, rounded to integers, each once |
 !> | `all` | every m |
-!> | `0.1,1,10` | averaging times in seconds, rounded to the nearest multiple of the sample interval |
+!> | `0.1,1,10` | averaging times, s, rounded to the nearest multiple of the sample interval |
 module gyroakf_allan_grid
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -22,8 +22,9 @@ contains
 
    !> Averaging factors, ascending, each once, 1 <= m <= samples/2.
    subroutine averaging_factors(taus, samples, sample_interval, m, error)
-      !> `octave`, `decade`, `log:N` (1 <= N <= 1000), `all`, or seconds separated by commas; of the listed
-      !> ones those longer than half the record are left out, and one that is less than half a sample is an error
+      !> `octave`, `decade`, `log:N` (1 <= N <= 1000), `all`, or seconds separated by commas; of the
+      !> listed ones those longer than half the record are left out, and one that is less than half
+      !> a sample is an error
       character(*), intent(in) :: taus
       !> Rate samples in the record, >= 2
       integer(int64), intent(in) :: samples
@@ -54,7 +55,8 @@ contains
          allocate (m(samples/2), stat=stat)
          if (stat /= 0) then
             write (text, "(i0)") samples/2
-            call fatal_error(error, status%no_memory, "no memory for "//trim(text)//" averaging factors")
+            call fatal_error(error, status%no_memory, &
+               & "no memory for "//trim(text)//" averaging factors")
             return
          end if
          do i = 1, samples/2
@@ -93,7 +95,8 @@ contains
 
       per_decade = 0
       stat = 1
-      if (len(text) > 0 .and. len(text) <= 4 .and. verify(text, "0123456789") == 0) read (text, "(i4)", iostat=stat) per_decade
+      if (len(text) > 0 .and. len(text) <= 4 .and. verify(text, "0123456789") == 0) &
+         & read (text, "(i4)", iostat=stat) per_decade
       if (stat /= 0 .or. per_decade < 1 .or. per_decade > per_decade_max) then
          call fatal_error(error, status%invalid_argument, &
             & "taus 'log:"//text//"': the points per decade are a whole number from 1 to 1000")
@@ -126,7 +129,8 @@ contains
          first = last + 2
       end do
       if (count == 0) then
-         call fatal_error(error, status%too_few_samples, "taus '"//text//"': all of them are longer than half the record")
+         call fatal_error(error, status%too_few_samples, "taus '"//text &
+            & //"': all of them are longer than half the record")
          return
       end if
       call sort_unique(value(:count), m)
@@ -149,25 +153,31 @@ contains
       stat = 1
       if (plain_number(word)) read (word, "(f40.0)", iostat=stat) tau
       if (stat /= 0) then
-         call fatal_error(error, status%invalid_argument, "taus: '"//word//"' is not a number of seconds"// &
-            & " (octave, decade, log:N, all, or seconds separated by commas)")
+         call fatal_error(error, status%invalid_argument, "taus: '"//word &
+            & //"' is not a number of seconds" &
+            & //" (octave, decade, log:N, all, or seconds separated by commas)")
       else if (tau < 0.5_dp*sample_interval) then
-         call fatal_error(error, status%invalid_argument, "taus: '"//word//"' s is less than half a sample interval")
+         call fatal_error(error, status%invalid_argument, "taus: '"//word &
+            & //"' s is less than half a sample interval")
       end if
    end subroutine read_seconds
 
-   !> Digits with a point, and an exponent of at most two digits: nothing that overflows on conversion.
+   !> Digits with a point, and an exponent of at most two digits: nothing that overflows on
+   !> conversion.
    pure logical function plain_number(word)
       character(*), intent(in) :: word
       integer :: mark
 
       mark = scan(word, "eEdD")
       if (mark == 0) mark = len(word) + 1
-      plain_number = mark > 1 .and. len(word) <= 40 .and. verify(word(:mark - 1), "0123456789.+") == 0
-      if (plain_number) plain_number = scan(word(2:mark - 1), "+") == 0 .and. scan(word(:mark - 1), "0123456789") > 0
+      plain_number = mark > 1 .and. len(word) <= 40 &
+         & .and. verify(word(:mark - 1), "0123456789.+") == 0
+      if (plain_number) plain_number = scan(word(2:mark - 1), "+") == 0 &
+         & .and. scan(word(:mark - 1), "0123456789") > 0
       if (plain_number .and. mark < len(word)) then
-         plain_number = verify(word(mark + 1:), "0123456789+-") == 0 .and. scan(word(mark + 2:), "+-") == 0 &
-            & .and. len(word) - mark - scan(word(mark + 1:mark + 1), "+-") <= 2
+         plain_number = verify(word(mark + 1:), "0123456789+-") == 0 &
+            & .and. scan(word(mark + 2:), "+-") == 0 .and. len(word) - mark &
+            & - scan(word(mark + 1:mark + 1), "+-") <= 2
       end if
       if (mark == len(word)) plain_number = .false.
    end function plain_number

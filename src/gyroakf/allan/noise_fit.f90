@@ -5,26 +5,31 @@
 !>     type(noise_type) :: noise
 !>     call fit_noise(curve, options, noise, error)        ! noise%coefficient(2)%value is N
 !>
-!> One generalized least-squares fit ([[gyroakf_allan_fit_solver]]) gives values, standard errors, upper limits, goodness of
-!> fit, the choice of terms and of the points ([[gyroakf_allan_fit_selection]]), and the confidence limits of the curve. It looks
-!> at the octaves m = 1, 2, 4, ... up to a quarter of the record, whatever averaging times the curve is shown at.
+!> One generalized least-squares fit ([[gyroakf_allan_fit_solver]]) gives values, standard errors,
+!> upper limits, goodness of fit, the choice of terms and of the points
+!> ([[gyroakf_allan_fit_selection]]), and the confidence limits of the curve. It looks at the
+!> octaves m = 1, 2, 4, ... up to a quarter of the record, whatever averaging times the curve is
+!> shown at.
 !>
-!> A filter of unit gain turns the N^2/tau of white noise into N^2/tau + c/tau^2 once tau exceeds its memory, c of either sign.
-!> Where points are excluded at the start the 1/tau^2 term is therefore of either sign and not Q. What the run of points does
-!> not determine is withheld: Q, and an N that is not the larger part of its first three points, where it begins late; K, R, and
-!> a B that is not the larger part of its last three points, where it ends early; everything where no run follows the terms.
+!> A filter of unit gain turns the N^2/tau of white noise into N^2/tau + c/tau^2 once tau exceeds
+!> its memory, c of either sign. Where points are excluded at the start the 1/tau^2 term is
+!> therefore of either sign and not Q. What the run of points does not determine is withheld: Q, and
+!> an N that is not the larger part of its first three points, where it begins late; K, R, and a B
+!> that is not the larger part of its last three points, where it ends early; everything where no
+!> run follows the terms.
 module gyroakf_allan_noise_fit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_curve, only : allan_curve_type
    use gyroakf_allan_fit_covariance, only : covariance_basis
-   use gyroakf_allan_fit_selection, only : find_floor, find_run, is_described, is_likely, noise_options, points_between, &
-      & select_terms
+   use gyroakf_allan_fit_selection, only : find_floor, find_run, is_described, is_likely, &
+      & noise_options, points_between, select_terms
    use gyroakf_allan_fit_solver, only : fit_terms
-   use gyroakf_allan_fit_statement, only : coefficient_type, estimate_type, give_limits, noise_type, state_coefficients, &
-      & state_fit, state_unquantized
-   use gyroakf_allan_noise_model, only : term_count, term_letters, term_quantization, term_ramp, term_white, terms
+   use gyroakf_allan_fit_statement, only : coefficient_type, estimate_type, give_limits, &
+      & noise_type, state_coefficients, state_fit, state_unquantized
+   use gyroakf_allan_noise_model, only : term_count, term_letters, term_quantization, term_ramp, &
+      & term_white, terms
    implicit none (type, external)
    private
    public :: noise_options, coefficient_type, noise_type, fit_noise
@@ -36,7 +41,8 @@ contains
 
    !> Fits the terms, and gives the curve the degrees of freedom and limits of the fitted mixture.
    subroutine fit_noise(curve, options, noise, error)
-      !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (outside the points fitted, by larger limits only)
+      !> From [[compute_allan]], kind oadev; edf, lower and upper are replaced (outside the points
+      !> fitted, by larger limits only)
       type(allan_curve_type), intent(inout) :: curve
       !> Terms, range of averaging times, thresholds
       type(noise_options), intent(in) :: options
@@ -73,16 +79,20 @@ contains
       integer :: i
 
       if (.not. (ieee_is_finite(options%tau_min) .and. ieee_is_finite(options%tau_max))) then
-         call fatal_error(error, status%invalid_argument, "the range of averaging times of the fit must be finite")
+         call fatal_error(error, status%invalid_argument, &
+            & "the range of averaging times of the fit must be finite")
       else if (.not. (options%lsb >= 0 .and. options%lsb <= huge(1.0_dp))) then
-         call fatal_error(error, status%invalid_argument, "the step of the samples must not be negative, and finite")
+         call fatal_error(error, status%invalid_argument, &
+            & "the step of the samples must not be negative, and finite")
       end if
       if (allocated(error)) return
       estimate%own_terms = options%terms /= "auto"
-      estimate%own_points = estimate%own_terms .or. options%tau_min > 0 .or. options%tau_max < huge(1.0_dp)
+      estimate%own_points = estimate%own_terms .or. options%tau_min > 0 &
+         & .or. options%tau_max < huge(1.0_dp)
       if (.not. estimate%own_terms) return
       if (verify(trim(options%terms), term_letters) > 0 .or. options%terms == " ") then
-         call fatal_error(error, status%invalid_argument, "terms '"//trim(options%terms)//"': auto, or letters of "//term_letters)
+         call fatal_error(error, status%invalid_argument, "terms '"//trim(options%terms) &
+            & //"': auto, or letters of "//term_letters)
       end if
       estimate%offered = index(options%terms, [(term_letters(i:i), i=1, term_count)]) > 0
    end subroutine check_terms
@@ -95,14 +105,17 @@ contains
 
       associate (points => estimate%curve, octaves => curve%octaves)
          if (curve%kind /= "oadev") then
-            call fatal_error(error, status%invalid_argument, "the noise terms are fitted to a curve of kind oadev, this one is "// &
-               & trim(curve%kind))
+            call fatal_error(error, status%invalid_argument, &
+               & "the noise terms are fitted to a curve of kind oadev, this one is " &
+               & //trim(curve%kind))
          else if (.not. allocated(octaves%m)) then
             call fatal_error(error, status%invalid_argument, "the Allan curve is empty")
          else if (size(octaves%m) == 0) then
-            call fatal_error(error, status%too_few_samples, "the curve has no averaging time of 1, 2, 4 ... samples to be fitted")
+            call fatal_error(error, status%too_few_samples, &
+               & "the curve has no averaging time of 1, 2, 4 ... samples to be fitted")
          else if (any(octaves%variance <= tiny(1.0_dp))) then
-            call fatal_error(error, status%constant_input, "an Allan deviation is zero: the record does not vary")
+            call fatal_error(error, status%constant_input, &
+               & "an Allan deviation is zero: the record does not vary")
          end if
          if (allocated(error)) return
          estimate%interval = curve%sample_interval
@@ -134,8 +147,9 @@ contains
             first = 1 + count(tau < options%tau_min*(1 - 1e-9_dp))
             last = count(tau <= options%tau_max)
             if (last - first + 1 < count(e%offered)) then
-               write (text, "(a, i0, a, i0, a)") "a fit of ", count(e%offered), " terms needs as many octaves, there are ", &
-                  & max(0, last - first + 1), " up to a quarter of the record"
+               write (text, "(a, i0, a, i0, a)") "a fit of ", count(e%offered), &
+                  & " terms needs as many octaves, there are ", max(0, last - first + 1), &
+                  & " up to a quarter of the record"
                call fatal_error(error, status%too_few_samples, trim(text))
                return
             end if
@@ -170,7 +184,8 @@ contains
             e%run%ramp = .false.
             call fit_terms(e%run, used, e%final, start)
          end if
-         e%chosen = used .and. (e%final%squares > 0 .or. (e%run%signed .and. terms == term_quantization))
+         e%chosen = used &
+            & .and. (e%final%squares > 0 .or. (e%run%signed .and. terms == term_quantization))
       end associate
    end subroutine choose_terms
 

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> The power-law noise that dominates at an averaging time, by the lag-1 autocorrelation.
 !>
-!> The rate is averaged over windows of m samples and a straight line is removed. With the lag-1 autocorrelation
-!> r of these means, rho = r/(1 + r); while rho >= 1/4 the means are differenced (at most as often as the variance does the
-!> phase: Allan 2, Hadamard 3), and
-!> alpha = -2 rho - 2 d with the number of differences d, rounded.
-!> Source: W. J. Riley, C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation",
-!> Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified noise is carried on.
+!> The rate is averaged over windows of m samples and a straight line is removed. With the lag-1
+!> autocorrelation r of these means, rho = r/(1 + r); while rho >= 1/4 the means are differenced (at
+!> most as often as the variance does the phase: Allan 2, Hadamard 3), and alpha = -2 rho - 2 d with
+!> the number of differences d, rounded.
+!> Source: W. J. Riley, C. A. Greenhall, "Power law noise identification using the lag 1
+!> autocorrelation", Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified
+!> noise is carried on.
 module gyroakf_allan_noise_identification
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_kinds, only : dp, int32, int64
@@ -21,14 +22,13 @@ module gyroakf_allan_noise_identification
    integer(int64), parameter :: means_max = 16384
    !> No exponent
    integer, parameter :: unknown = huge(1)
-   !> Default maximum number of differences (Allan variance)
-   integer, parameter :: differences_usual = 2
    !> Records shorter than this are not worth a second thread
    integer(int64), parameter :: parallel_from = 200000
 
 contains
 
-   !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2, -4 with three differences) for each averaging factor.
+   !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2, -4 with three differences) for
+   !> each averaging factor.
    subroutine identify_noise(phase, m, min_coverage, alpha, error, missing, differences)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -50,18 +50,20 @@ contains
 
       coverage = min_coverage
       if (present(missing)) coverage = window_coverage(missing, m, min_coverage)
-      most = differences_usual
+      most = 2
       if (present(differences)) most = differences
       !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
       do i = 1, size(m)
-         if (present(missing)) then             ! an absent array is not passed on from inside a parallel region
+         ! an absent array is not passed on from inside a parallel region
+         if (present(missing)) then
             call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i), missing)
          else
             call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i))
          end if
       end do
       !$omp end parallel do
-      if (any(stat /= 0)) call fatal_error(error, status%no_memory, "no memory for the means of a noise identification")
+      if (any(stat /= 0)) call fatal_error(error, status%no_memory, &
+         & "no memory for the means of a noise identification")
       last = 0
       do i = 1, size(m)
          if (alpha(i) == unknown) alpha(i) = last
@@ -93,8 +95,7 @@ contains
       means = min(ubound(phase, 1, kind=int64)/m, means_max)
       if (means < means_min) return
       rho = 0
-      allocate (mean(means), stat=stat)
-      if (stat == 0) allocate (use_it(means), stat=stat)
+      allocate (mean(means), use_it(means), stat=stat)
       if (stat /= 0) return
       call window_means(phase, m, coverage, mean(:means), use_it(:means), missing)
       if (count(use_it(:means)) < means_min) return

@@ -5,7 +5,8 @@
 !>
 !> The mean is taken out first, so that an offset costs no digits; a straight line in x changes no
 !> second difference. The sum runs in the blocks of [[sum_blocks]], within which the partial sums
-!> stay small, so that the rounding error of a difference does not grow with the length of the record.
+!> stay small, so that the rounding error of a difference does not grow with the length of the
+!> record.
 module gyroakf_allan_phase
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -22,10 +23,11 @@ module gyroakf_allan_phase
 
 contains
 
-   !> Integrates a rate record: phase(k) = sum of the first k samples less their mean, in units of rate times sample.
+   !> Integrates a rate record: phase(k) = sum of the first k samples less their mean, in units of
+   !> rate times sample.
    !>
-   !> Missing and non-finite samples add nothing, and `missing(k)` counts them among the first k; it is
-   !> allocated only where there are any. Cost: two passes.
+   !> Missing and non-finite samples add nothing, and `missing(k)` counts them among the first k; it
+   !> is allocated only where there are any. Cost: two passes.
    subroutine integrate_rate(rate, phase, missing, error, valid, progress)
       !> Rate samples: [n], n >= 1
       real(dp), intent(in), contiguous :: rate(:)
@@ -42,7 +44,8 @@ contains
       type(block_sums_type) :: blocks
 
       call sum_blocks(rate, blocks, error, valid)
-      if (.not. allocated(error)) call integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
+      if (.not. allocated(error)) call integrate_blocks(rate, blocks, phase, missing, error, &
+         & valid, progress)
    end subroutine integrate_rate
 
    !> The second pass of [[integrate_rate]].
@@ -88,18 +91,20 @@ contains
             if (.not. allocated(missing)) then
                first = (group - 1)*block_length
                last = min(n, first + 4*block_length)
-               call integrate_stretch(rate(first + 1:last), blocks%mean, blocks%offset(group:), phase(first + 1:last))
+               call integrate_stretch(rate(first + 1:last), blocks%mean, blocks%offset(group:), &
+                  & phase(first + 1:last))
                cycle
             end if
             do b = group, min(group + 3, number)
                first = (b - 1)*block_length
                last = min(n, first + block_length)
                if (blocks%absent(b + 1) == blocks%absent(b)) then
-                  call integrate_stretch(rate(first + 1:last), blocks%mean, blocks%offset(b:b), phase(first + 1:last))
+                  call integrate_stretch(rate(first + 1:last), blocks%mean, blocks%offset(b:b), &
+                     & phase(first + 1:last))
                   missing(first + 1:last) = int(blocks%absent(b), int32)
                else
-                  call integrate_gapped(rate, first + 1, last, blocks%mean, blocks%offset(b), blocks%absent(b), phase, &
-                     & missing, valid)
+                  call integrate_gapped(rate, first + 1, last, blocks%mean, blocks%offset(b), &
+                     & blocks%absent(b), phase, missing, valid)
                end if
             end do
          end do
@@ -107,7 +112,8 @@ contains
       end do
    end subroutine integrate_blocks
 
-   !> Phases without the straight line through the first and the last, in units of rate times sample.
+   !> Phases without the straight line through the first and the last, in units of rate times
+   !> sample.
    subroutine level_phase(angle, sample_interval, phase, error)
       !> Phases: [n + 1], n >= 1
       real(dp), intent(in), contiguous :: angle(:)

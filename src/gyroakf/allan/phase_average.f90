@@ -4,9 +4,10 @@
 !> $$ z_j = \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i), \quad
 !>    z_{j+1} = z_j + x_{j+3m} - 3 x_{j+2m} + 3 x_{j+m} - x_j $$
 !>
-!> A term costs one step of the recursion, whatever m. The recursion restarts at fixed places (so that no rounding
-!> error runs along, and that no bit depends on the number of threads), four chains of it run side by side, and short averaging
-!> factors share a stretch of the record while it is in the cache.
+!> A term costs one step of the recursion, whatever m. The recursion restarts at fixed places (so
+!> that no rounding error runs along, and that no bit depends on the number of threads), four chains
+!> of it run side by side, and short averaging factors share a stretch of the record while it is in
+!> the cache.
 module gyroakf_allan_phase_average
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -25,7 +26,8 @@ module gyroakf_allan_phase_average
    !> Terms times factors below which one thread is quicker
    integer(int64), parameter :: parallel_from = 1000000
 
-   character(*), parameter :: no_memory_text = "no memory for the partial sums of the modified Allan variance"
+   character(*), parameter :: no_memory_text = &
+      & "no memory for the partial sums of the modified Allan variance"
 
    !> Neighboring terms that a recursion runs over
    type :: chain_type
@@ -56,7 +58,8 @@ contains
       n = ubound(phase, 1, kind=int64)
       short = count(m <= short_max)
       call sum_short(phase, m(:short), sums(:short), n*size(m), error, progress)
-      if (.not. allocated(error)) call sum_long(phase, m(short + 1:), sums(short + 1:), n*short, n*size(m), error, progress)
+      if (.not. allocated(error)) call sum_long(phase, m(short + 1:), sums(short + 1:), n*short, &
+         & n*size(m), error, progress)
    end subroutine sum_phase_averages
 
    !> Factors that share stretches.
@@ -83,13 +86,15 @@ contains
       group = stretches
       if (present(progress)) group = 8*thread_count()
       do from = 1, stretches, group
-         call report_progress("Allan deviation", min(whole, (from - 1)*stretch_length*size(m)), whole, error, progress)
+         call report_progress("Allan deviation", min(whole, (from - 1)*stretch_length*size(m)), &
+            & whole, error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(dynamic) private(i, first) if (terms*size(m) >= parallel_from)
          do s = from, min(stretches, from + group - 1)
             first = (s - 1)*stretch_length
             do i = 1, size(m)
-               call add_terms(phase, m(i), first, min(stretch_length, terms - 3*m(i) - first), part(i, s))
+               call add_terms(phase, m(i), first, min(stretch_length, terms - 3*m(i) - first), &
+                  & part(i, s))
             end do
          end do
          !$omp end parallel do
@@ -99,7 +104,8 @@ contains
       end do
    end subroutine sum_short
 
-   !> Factors that have the record to themselves, cut so that the starts of the chains cost less than the chains.
+   !> Factors that have the record to themselves, cut so that the starts of the chains cost less
+   !> than the chains.
    subroutine sum_long(phase, m, sums, done, whole, error, progress)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int64), intent(in) :: m(:)
@@ -126,11 +132,13 @@ contains
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()
       do from = total, 1, -group
-         call report_progress("Allan deviation", done + (whole - done)/total*(total - from), whole, error, progress)
+         call report_progress("Allan deviation", done + (whole - done)/total*(total - from), &
+            & whole, error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(dynamic) if (terms*size(m) >= parallel_from)
          do item = from, max(from - group + 1, 1_int64), -1
-            call add_terms(phase, m(chain(item)%factor), chain(item)%begin, chain(item)%terms, part(item))
+            call add_terms(phase, m(chain(item)%factor), chain(item)%begin, chain(item)%terms, &
+               & part(item))
          end do
          !$omp end parallel do
       end do
@@ -242,7 +250,8 @@ contains
 
       !$omp simd
       do i = 1, size(d, kind=int64)
-         d(i) = (phase(first + i - 1 + 3*m) - phase(first + i - 1)) - 3*(phase(first + i - 1 + 2*m) - phase(first + i - 1 + m))
+         d(i) = (phase(first + i - 1 + 3*m) - phase(first + i - 1)) &
+            & - 3*(phase(first + i - 1 + 2*m) - phase(first + i - 1 + m))
       end do
    end subroutine third_differences
 

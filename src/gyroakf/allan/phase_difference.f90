@@ -2,11 +2,11 @@
 !> Sums of squared second and third differences of the phase: the work of the overlapping Allan and
 !> Hadamard variances.
 !>
-!> The terms are taken in blocks. Short factors run over the record together: a block stays in the cache while each of
-!> them is applied to it. A long factor m visits the blocks k, k + m, k + 2m ... one after the
-!> other, so that the phases of a term come from the memory once. Factors that double, as octaves
-!> do, are taken four at a time.
-!> Partial sums belong to fixed parts of the record: the result does not depend on the number of threads.
+!> The terms are taken in blocks. Short factors run over the record together: a block stays in the
+!> cache while each of them is applied to it. A long factor m visits the blocks k, k + m, k + 2m ...
+!> one after the other, so that the phases of a term come from the memory once. Factors that double,
+!> as octaves do, are taken four at a time. Partial sums belong to fixed parts of the record: the
+!> result does not depend on the number of threads.
 module gyroakf_allan_phase_difference
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int64
@@ -62,8 +62,8 @@ contains
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group
-            call report_progress("Allan deviation", n*(first - 1) + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, &
-               & progress)
+            call report_progress("Allan deviation", n*(first - 1) &
+               & + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, progress)
             if (allocated(error)) return
             !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
             do s = from, min(parts, from + group - 1)
@@ -132,13 +132,15 @@ contains
             call add_octaves(phase, first, last_term, m(i), sums(i:i + octaves - 1))
          else
             octaves = 1
-            sums(i) = sums(i) + squared_differences(phase(first:last_term + order*m(i)), m(i), order)
+            sums(i) = sums(i) + squared_differences(phase(first:last_term + order*m(i)), m(i), &
+               & order)
          end if
          i = i + octaves
       end do
    end subroutine one_block
 
-   !> Leading factors, four at most, of which each is twice the one before and spans no more than there is; at least one.
+   !> Leading factors, four at most, of which each is twice the one before and spans no more than
+   !> there is; at least one.
    pure integer function octave_count(m, span_max)
       integer(int64), intent(in) :: m(:)
       !> Phases that follow the last term
@@ -151,9 +153,11 @@ contains
       end do
    end function octave_count
 
-   !> Adds the sums over k = first .. last of (x(k+2j) - 2 x(k+j) + x(k))**2 for j = m, 2m, 4m and 8m.
+   !> Adds the sums over k = first .. last of (x(k+2j) - 2 x(k+j) + x(k))**2 for j = m, 2m, 4m and
+   !> 8m.
    !>
-   !> Four factors take six streams from the memory instead of twelve, and share the differences to x(k).
+   !> Four factors take six streams from the memory instead of twelve, and share the differences to
+   !> x(k).
    pure subroutine add_octaves(phase, first, last, m, sums)
       real(dp), intent(in), contiguous :: phase(0:)
       !> First and last term, and the smallest factor

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Squared differences of the means of two or three adjacent windows, at any stride, with or without missing samples.
+!> Squared differences of the means of two or three adjacent windows, at any stride, with or without
+!> missing samples.
 !>
 !> Two windows: w2 - w1 (Allan); three: w3 - 2 w2 + w1 (Hadamard). Every averaging factor is applied
 !> to a stretch of the record while it is in the cache; the stretches are fixed: the result does not
