@@ -59,10 +59,9 @@ contains
       number = (n + block_length - 1)/block_length
       allocate (blocks%offset(number), stat=stat)
       if (stat == 0) allocate (blocks%absent(number + 1), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the integral of the record")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the integral of the record")
+      if (allocated(error)) return
       call guess_mean(rate, pilot, valid)
       associate (sums => blocks%offset, absent => blocks%absent)
          absent(number + 1) = 0

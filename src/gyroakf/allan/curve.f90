@@ -72,13 +72,17 @@ contains
             & "too many samples are missing: no averaging time has a complete window")
          return
       end if
-      allocate (curve%m(points), curve%terms(points), curve%tau(points), curve%deviation(points), &
-         & curve%lower(points), curve%upper(points), curve%edf(points), curve%alpha(points), &
-         & curve%share(points), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the Allan curve")
-         return
-      end if
+      allocate (curve%m(points), stat=stat)
+      if (stat == 0) allocate (curve%terms(points), stat=stat)
+      if (stat == 0) allocate (curve%tau(points), stat=stat)
+      if (stat == 0) allocate (curve%deviation(points), stat=stat)
+      if (stat == 0) allocate (curve%lower(points), stat=stat)
+      if (stat == 0) allocate (curve%upper(points), stat=stat)
+      if (stat == 0) allocate (curve%edf(points), stat=stat)
+      if (stat == 0) allocate (curve%alpha(points), stat=stat)
+      if (stat == 0) allocate (curve%share(points), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the Allan curve")
+      if (allocated(error)) return
       curve%m(:) = pack(m, there)
       curve%terms(:) = pack(terms, there)
       curve%share(:) = pack(share, there)

@@ -109,8 +109,9 @@ contains
       if (allocated(error)) return
       call begin_curve(options, size(rate, kind=int64), sample_interval, curve)
       place = 0
-      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) &
-         & place = choose_step(size(rate, kind=int64), m)
+      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) then
+         place = choose_step(size(rate, kind=int64), m)
+      end if
       if (place > 0) then
          call fill_from_few_phases(rate, blocks, m, place, options%min_coverage, curve, error, &
             & progress)
@@ -213,11 +214,11 @@ contains
       integer :: stat
 
       call add_octaves(options%kind, ubound(phase, 1, kind=int64), m, all_m, shown)
-      allocate (variance(size(all_m)), terms(size(all_m)), share(size(all_m)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the Allan variances")
-         return
-      end if
+      allocate (variance(size(all_m)), stat=stat)
+      if (stat == 0) allocate (terms(size(all_m)), stat=stat)
+      if (stat == 0) allocate (share(size(all_m)), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the Allan variances")
+      if (allocated(error)) return
       if (allocated(missing)) then
          call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, &
             & variance, terms, share, error, progress)
@@ -280,8 +281,9 @@ contains
          call sum_phase_averages(phase, m, variance, error, progress)
       case default
          call sum_phase_differences(phase, m, difference_order(kind), variance, error, progress)
-         if (kind == "totdev" .and. .not. allocated(error)) &
-            & call add_reflected_differences(phase, m, variance, error, progress)
+         if (kind == "totdev" .and. .not. allocated(error)) then
+            call add_reflected_differences(phase, m, variance, error, progress)
+         end if
       end select
       if (allocated(error)) return
       variance = variance/(variance_divisor(kind, m)*real(terms, dp))

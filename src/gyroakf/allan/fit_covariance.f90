@@ -107,8 +107,9 @@ contains
          call sum_pair(samples, m(i), m(i), product, plain)
          variance = contracted(product, plain, squares)
          freedom(i) = freedom_max
-         if (variance > 0) &
-            & freedom(i) = min(freedom_max, 2*model_variance(squares, real(m(i), dp))**2/variance)
+         if (variance > 0) then
+            freedom(i) = min(freedom_max, 2*model_variance(squares, real(m(i), dp))**2/variance)
+         end if
       end do
    end function mixture_freedom
 

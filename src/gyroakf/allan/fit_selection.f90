@@ -84,8 +84,9 @@ contains
       ! 24/n: variance of the kurtosis of n normal differences
       m = real(run%m(1), dp)
       differences = real(min(run%samples, merge(run%samples, kurtosis_samples, first == 1)), dp)/m
-      if (curve%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24/differences)) &
-         & run%excess = curve%kurtosis(first)
+      if (curve%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24/differences)) then
+         run%excess = curve%kurtosis(first)
+      end if
    end function points_between
 
    !> Finds the longest run of octaves that the terms describe; of equally long ones that which

@@ -74,10 +74,8 @@ contains
       terms = ubound(phase, 1, kind=int64) + 2
       call list_chains(terms - 3*m, max(chain_least, 2*m), chain, stat)
       if (stat == 0) allocate (part(size(chain, kind=int64)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, no_memory_text)
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, no_memory_text)
+      if (allocated(error)) return
       total = size(chain, kind=int64)
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()

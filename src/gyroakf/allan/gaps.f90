@@ -129,18 +129,18 @@ contains
       if (kind /= "oadev" .or. .not. same(m, octave)) then
          deallocate (sums)
          allocate (sums(size(m)), stat=stat)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for the Allan variances")
-            return
-         end if
+         if (stat /= 0) call fatal_error(error, status%no_memory, &
+            & "no memory for the Allan variances")
+         if (allocated(error)) return
          associate (coverage => coverage(size(octave) + 1:))
             if (any(kind == ["mdev", "tdev"])) then
                call sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
             else
                call sum_windows(phase, m, difference_order(kind), all(kind /= ["adev", "hdev"]), &
                   & sums, error, missing, coverage, progress)
-               if (kind == "totdev" .and. .not. allocated(error)) &
-                  & call add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
+               if (kind == "totdev" .and. .not. allocated(error)) then
+                  call add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
+               end if
             end if
          end associate
          if (allocated(error)) return

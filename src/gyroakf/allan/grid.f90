@@ -95,8 +95,9 @@ contains
 
       per_decade = 0
       stat = 1
-      if (len(text) > 0 .and. len(text) <= 4 .and. verify(text, "0123456789") == 0) &
-         & read (text, "(i4)", iostat=stat) per_decade
+      if (len(text) > 0 .and. len(text) <= 4 .and. verify(text, "0123456789") == 0) then
+         read (text, "(i4)", iostat=stat) per_decade
+      end if
       if (stat /= 0 .or. per_decade < 1 .or. per_decade > per_decade_max) then
          call fatal_error(error, status%invalid_argument, &
             & "taus 'log:"//text//"': the points per decade are a whole number from 1 to 1000")

@@ -95,7 +95,8 @@ contains
       means = min(ubound(phase, 1, kind=int64)/m, means_max)
       if (means < means_min) return
       rho = 0
-      allocate (mean(means), use_it(means), stat=stat)
+      allocate (mean(means), stat=stat)
+      if (stat == 0) allocate (use_it(means), stat=stat)
       if (stat /= 0) return
       call window_means(phase, m, coverage, mean(:means), use_it(:means), missing)
       if (count(use_it(:means)) < means_min) return

@@ -74,10 +74,9 @@ contains
       stat = merge(1, 0, lost > huge(0_int32))
       if (stat == 0) allocate (phase(0:n), stat=stat)
       if (stat == 0 .and. lost > 0) allocate (missing(0:n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the integral of the record")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the integral of the record")
+      if (allocated(error)) return
       call prefer_large_pages(phase)
       phase(0) = 0
       if (allocated(missing)) missing(0) = 0
@@ -138,10 +137,8 @@ contains
       end if
       n = size(angle, kind=int64) - 1
       allocate (phase(0:n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the phases")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the phases")
+      if (allocated(error)) return
       call prefer_large_pages(phase)
       first = angle(1)
       slope = (angle(n + 1) - first)/real(n, dp)

@@ -79,10 +79,8 @@ contains
       terms = ubound(phase, 1, kind=int64) + 2
       stretches = (terms + stretch_length - 1)/stretch_length
       allocate (part(size(m), stretches), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, no_memory_text)
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, no_memory_text)
+      if (allocated(error)) return
       group = stretches
       if (present(progress)) group = 8*thread_count()
       do from = 1, stretches, group
@@ -124,10 +122,8 @@ contains
       terms = ubound(phase, 1, kind=int64) + 2
       call list_chains(terms - 3*m, 4*chain_length*m, chain, stat)
       if (stat == 0) allocate (part(size(chain, kind=int64)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, no_memory_text)
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, no_memory_text)
+      if (allocated(error)) return
       total = size(chain, kind=int64)
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()

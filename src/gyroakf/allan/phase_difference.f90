@@ -53,10 +53,9 @@ contains
       n = ubound(phase, 1, kind=int64)
       parts = max(1_int64, min(parts_max, n/(8*block_length)))
       allocate (part(min(batch, size(m)), parts), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of a deviation")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums of a deviation")
+      if (allocated(error)) return
       group = parts
       if (present(progress)) group = 2*thread_count()
       do first = 1, size(m), batch

@@ -116,12 +116,12 @@ contains
 
       n = size(rate, kind=int64)
       group = 2*thread_count()
-      allocate (phase(0:n/step), x(0:stretch_length + order*factor_max, group), &
-         & part(size(m), group), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the integral of the record")
-         return
-      end if
+      allocate (phase(0:n/step), stat=stat)
+      if (stat == 0) allocate (x(0:stretch_length + order*factor_max, group), stat=stat)
+      if (stat == 0) allocate (part(size(m), group), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the integral of the record")
+      if (allocated(error)) return
       phase(0) = 0
       do from = 0, n - 1, group*row*stretch_length
          call report_progress("Allan deviation", from, n, error, progress)

@@ -35,21 +35,18 @@ module gyroakf_allan_trend_test
       character(7) :: shape = ""
       !> Rise of 2 ln L by the trend that gains most, also where it is not enough
       real(dp) :: gain = 0.0_dp
-      !> Change over the record of a ramp; difference to the end value at the first sample of a
-      !> warm-up, and its time constant
-      real(dp) :: size = 0.0_dp, time_constant = 0.0_dp
-      !> Standard error of the size
-      real(dp) :: std_error = 0.0_dp
+      !> Change over the record of a ramp, or difference to the end value at the first sample of a
+      !> warm-up; its standard error; time constant of a warm-up
+      real(dp) :: size = 0.0_dp, std_error = 0.0_dp, time_constant = 0.0_dp
    end type record_trend_type
 
    !> Blocks of a record, their differences, time constants tried, weights of B and K beside N in a
    !> mixture: 0 and 2^-7 to 2^7
    integer, parameter :: block_count = 128, differences = block_count - 1, scale_count = 19, &
       & weight_count = 16
-   !> Mixtures with white noise, of B and K without it, and K alone
-   integer, parameter :: mixture_count = weight_count**2 + weight_count + 1
-   !> Time constants about the best one, and half their range in ln T
-   integer, parameter :: fine_count = 21
+   !> Mixtures with white noise, of B and K without it, and K alone; time constants about the best
+   !> one, and half their range in ln T
+   integer, parameter :: mixture_count = weight_count**2 + weight_count + 1, fine_count = 21
    real(dp), parameter :: fine_range = 0.25_dp
 
 contains
@@ -176,7 +173,7 @@ contains
       end if
    end function mixture_covariance
 
-   !> -2 ln L, but for a constant, of the first series: without a trend, and with each other as trend.
+   !> -2 ln L, but for a constant, of the first series without a trend and with the others as trend.
    pure subroutine find_costs(covariance, series, cost, stat)
       !> Autocovariances from lag 0 on; the series: [series, time]
       real(dp), intent(in) :: covariance(0:), series(0:, :)

@@ -71,11 +71,9 @@ contains
       if (present(progress)) group = min(batch, int(2*thread_count(), int64))
       group = max(1_int64, min(group, (n + stretch_length - 1)/stretch_length))
       allocate (part(min(size(m), factors), group), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the partial sums of the Allan variances")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the partial sums of the Allan variances")
+      if (allocated(error)) return
       do from = 0, n - 1, group*stretch_length
          call report_progress("Allan deviation", from, n, error, progress)
          if (allocated(error)) return
