@@ -15,6 +15,7 @@ module gyroakf_c_api_c_support
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_utf8, only : make_readable
+   use gyroakf_allan_block_sums, only : count_non_finite
    use gyroakf_c_api_c_host, only : progress_c, callback_type, set_aside, restore
    use gyroakf_c_api_c_places, only : check_aligned
    implicit none (type, external)
@@ -216,7 +217,6 @@ contains
       !> value; no_memory
       type(error_type), allocatable, intent(inout) :: error
       real(dp), pointer, contiguous :: x(:)
-      integer(int64) :: i, missing
 
       if (allocated(error)) return
       if (.not. c_associated(array) .or. n < 1 .or. n > max_samples) then
@@ -226,17 +226,13 @@ contains
       call check_aligned(array, error)
       if (allocated(error)) return
       call c_f_pointer(array, x, [n])
-      missing = 0
-      do i = 1, n
-         if (ieee_is_finite(x(i))) cycle
-         if (.not. ieee_is_nan(x(i))) then
-            call fatal_error(error, status%non_finite, "a value of the series is infinite (a missing one is NaN)")
-            return
-         end if
-         missing = missing + 1
-      end do
       c%x => x
-      if (missing > 0) call copy_series(x, c, error)
+      if (count_non_finite(x) == 0) return
+      if (any(abs(x) > huge(1.0_dp))) then
+         call fatal_error(error, status%non_finite, "a value of the series is infinite (a missing one is NaN)")
+      else
+         call copy_series(x, c, error)
+      end if
    end subroutine open_series
 
    !> The copy with 0 for NaN, and the marks.
