@@ -23,7 +23,8 @@ module gyroakf
       paper_seed
    ! Cleaning: outliers, trend, quantization
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_stats_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
+   use gyroakf_stats_trend, only : trend_type, remove_trend, evaluate_trend
+   use gyroakf_stats_trend_fit, only : fit_trend
    use gyroakf_stats_quantization, only : quantisation_type, find_quantisation
    ! Allan deviation and its relatives, noise coefficients, change during the record
    use gyroakf_allan_grid, only : averaging_factors

@@ -14,7 +14,8 @@ module gyroakf_ar_ar_types
 
    !> How the model is found
    type :: ar_options
-      !> `yw`: Yule-Walker by Levinson's recursion; `burg`: Burg's recursion; `ols`: least squares ("covariance"), with intercept
+      !> `yw`: Yule-Walker by Levinson's recursion; `burg`: Burg's recursion; `ols`: least squares
+      !> ("covariance"), with intercept
       character(4) :: method = "yw"
       !> aic, aicc, bic, hqic, fpe (formulas in gyroakf_ar_criteria)
       character(4) :: criterion = "aic"
@@ -24,8 +25,8 @@ module gyroakf_ar_ar_types
       integer :: order = -1
    end type ar_options
 
-   !> The model $$x_t - m = \sum_j \phi_j (x_{t-j} - m) + a_t$$ of a series in the unit u; ols has the intercept instead,
-   !> $$x_t = c + \sum_j \phi_j x_{t-j} + a_t$$
+   !> The model $$x_t - m = \sum_j \phi_j (x_{t-j} - m) + a_t$$ of a series in the unit u; ols has
+   !> the intercept instead, $$x_t = c + \sum_j \phi_j x_{t-j} + a_t$$
    type :: ar_model_type
       !> What was used
       character(4) :: method = "yw", criterion = "aic"
@@ -35,28 +36,29 @@ module gyroakf_ar_ar_types
       integer(int64) :: samples = 0
       !> Coefficients phi and their standard errors: [order]
       real(dp), allocatable :: coefficient(:), std_error(:)
-      !> Innovation variance, u^2; mean of the present samples, u; variance r(0) of the series (divisor n), u^2
+      !> Innovation variance, u^2; mean, u; variance r(0) of the series (divisor n), u^2
       real(dp) :: noise_variance = 0.0_dp, mean = 0.0_dp, variance = 0.0_dp
       !> Orders compared: [max_order + 1], order 0 first
       type(ar_order_type), allocatable :: table(:)
-      !> Whiteness of the residuals: 20 lags, or order + 20 from order 20 on, fewer where the series is
-      !> short; its lags are 0 where it could not be made
+      !> Whiteness of the residuals: 20 lags, or order + 20 from order 20 on, fewer where the series
+      !> is short; its lags are 0 where it could not be made
       type(ljung_box_type) :: residual_ljung_box
-      !> Their autocorrelation at these lags, with the limits of white noise; its lags are 0 where there is none
+      !> Their autocorrelation at these lags; its lags are 0 where there is none
       type(correlation_type) :: residual_correlation
       !> The criterion chose the largest order on offer: look at larger ones
       logical :: largest_order_chosen = .false.
-      !> Intercept c, u: m (1 - sum phi), or with ols the fitted one; its standard error, with ols only
+      !> Intercept c, u: m (1 - sum phi), with ols the fitted one; its standard error, ols only
       real(dp) :: intercept = 0.0_dp, intercept_std_error = 0.0_dp
-      !> Samples that the coefficients rest on: with ols the rows (an x_t whose p predecessors are present), else
-      !> those present
+      !> Samples that the coefficients rest on: with ols the rows (an x_t whose p predecessors are
+      !> present), else those present
       integer(int64) :: rows = 0
-      !> Samples that the criteria of every order count: with ols the rows that the largest order has
+      !> Samples that the criteria count: with ols the rows that the largest order has
       integer(int64) :: compared_rows = 0
-      !> Variance that allows for the p coefficients and the mean, u^2: noise_variance rows/(rows - p - 1). Standard errors with
-      !> it instead of noise_variance are larger by the root of that ratio
+      !> Variance that allows for the p coefficients and the mean, u^2: noise_variance rows/(rows -
+      !> p - 1). Standard errors with it instead of noise_variance are larger by the root of that
+      !> ratio
       real(dp) :: unbiased_variance = 0.0_dp
-      !> Mean square of the residuals, u^2: burg, of the forward and backward ones; yw, the same as noise_variance
+      !> Mean square of the residuals, u^2; burg: both forward and backward; yw: noise_variance
       real(dp) :: residual_variance = 0.0_dp
       !> Roots of the characteristic polynomial, largest modulus first: [order]
       type(ar_root_type), allocatable :: root(:)
@@ -82,10 +84,11 @@ contains
          call fatal_error(error, status%invalid_argument, &
             & "unknown AR method '"//trim(options%method)//"'; there are yw, burg, ols")
       else if (criterion_number(trim(options%criterion)) == 0) then
-         call fatal_error(error, status%invalid_argument, &
-            & "unknown AR criterion '"//trim(options%criterion)//"'; there are aic, aicc, bic, hqic, fpe")
+         call fatal_error(error, status%invalid_argument, "unknown AR criterion '" &
+            & //trim(options%criterion)//"'; there are aic, aicc, bic, hqic, fpe")
       else if (options%max_order < 0 .or. options%order < -1) then
-         call fatal_error(error, status%invalid_argument, "the AR order must not be negative; -1 chooses it")
+         call fatal_error(error, status%invalid_argument, &
+            & "the AR order must not be negative; -1 chooses it")
       end if
    end subroutine check_options
 
@@ -102,7 +105,8 @@ contains
       character(120) :: text
 
       if (n > int(most, int64) + 3) return
-      write (text, '("AR order ", i0, " needs at least ", i0, " ", a, ", there are ", i0)') most, int(most, int64) + 4, what, n
+      write (text, "(2(a, i0), 3a, i0)") "AR order ", most, " needs at least ", &
+         & int(most, int64) + 4, " ", what, ", there are ", n
       call fatal_error(error, status%too_few_samples, trim(text))
    end subroutine check_length
 

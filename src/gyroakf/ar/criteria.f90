@@ -13,11 +13,11 @@
 !> | FPE  | s2 (n + k)/(n - k) |
 !> | AIC per observation | 1 + ln 2 pi + ln s2 + 2 p/n |
 !>
-!> k + 1 counts the innovation variance, as statsmodels' AutoReg does; every order uses the same n, so
-!> that differences are comparable with any other convention. The last line is the form of the
-!> paper's Table I, which counts the coefficients alone. Sources: Akaike, IEEE Trans. Autom. Control 19
-!> (1974) 716-723; Hurvich & Tsai, Biometrika 76 (1989) 297-307; Schwarz, Ann. Stat. 6 (1978) 461-464;
-!> Hannan & Quinn, J. R. Stat. Soc. B 41 (1979) 190-195.
+!> k + 1 counts the innovation variance, as statsmodels' AutoReg does; every order uses the same n,
+!> so that differences are comparable with any other convention. The last line is the form of the
+!> paper's Table I, which counts the coefficients alone. Sources: Akaike, IEEE Trans. Autom. Control
+!> 19 (1974) 716-723; Hurvich & Tsai, Biometrika 76 (1989) 297-307; Schwarz, Ann. Stat. 6 (1978)
+!> 461-464; Hannan & Quinn, J. R. Stat. Soc. B 41 (1979) 190-195.
 module gyroakf_ar_criteria
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
@@ -60,7 +60,8 @@ contains
       line%bic = minus_two_l + (k + 1.0_dp)*log(m)
       line%hqic = minus_two_l + 2.0_dp*(k + 1.0_dp)*log(log(m))
       line%fpe = noise_variance*((m + k)/(m - k))
-      line%aic_per_observation = 1.0_dp + log_two_pi + log(noise_variance) + 2.0_dp*real(order, dp)/m
+      line%aic_per_observation = 1.0_dp + log_two_pi + log(noise_variance) &
+         & + 2.0_dp*real(order, dp)/m
    end function order_criteria
 
    !> 1 aic, 2 aicc, 3 bic, 4 hqic, 5 fpe; 0 unknown.

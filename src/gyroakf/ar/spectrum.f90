@@ -14,9 +14,9 @@ contains
    !> Two-sided power spectral density of a model at a frequency.
    !>
    !> $$S(f) = \frac{s_p^2\,\Delta}{\bigl|1 - \sum_j \phi_j e^{-2\pi i f j \Delta}\bigr|^2}, \quad
-   !> \int_{-1/(2\Delta)}^{1/(2\Delta)} S(f)\,df = \mathrm{Var}(x)$$
-   !> so that white noise of density N^2 has S = N^2; a one-sided density is twice this. Of a model that is not
-   !> stationary the formula has no such meaning. Source: Marple, Digital Spectral Analysis (1987), 6.3.
+   !> \int_{-1/(2\Delta)}^{1/(2\Delta)} S(f)\,df = \mathrm{Var}(x)$$ so that white noise of density
+   !> N^2 has S = N^2; a one-sided density is twice this. Of a model that is not stationary the
+   !> formula has no such meaning. Source: Marple, Digital Spectral Analysis (1987), 6.3.
    elemental real(dp) function ar_spectrum(model, frequency, interval) result(density)
       !> Fitted; u its unit
       type(ar_model_type), intent(in) :: model
@@ -34,7 +34,8 @@ contains
       end do
       filter = 1.0_dp - filter
       density = huge(density)
-      if (abs(filter) > sqrt(tiny(density))) density = model%noise_variance*interval/(real(filter, dp)**2 + aimag(filter)**2)
+      if (abs(filter) <= sqrt(tiny(density))) return
+      density = model%noise_variance*interval/(real(filter, dp)**2 + aimag(filter)**2)
    end function ar_spectrum
 
 end module gyroakf_ar_spectrum

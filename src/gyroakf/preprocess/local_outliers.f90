@@ -19,7 +19,7 @@ module gyroakf_preprocess_local_outliers
       replace_value, window_median, window_deviation
    implicit none (type, external)
    private
-   public :: mark_hampel, set_mark, largest_half_width, least_present
+   public :: mark_hampel, set_mark, largest_half_width, least_present, mad_to_sigma
 
    !> Largest k
    integer, parameter :: largest_half_width = 100000
@@ -29,26 +29,26 @@ module gyroakf_preprocess_local_outliers
    real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
    !> Samples of a stretch, or so many windows where these are longer
    integer(int64), parameter :: stretch_length = 16384, stretch_windows = 8
-   !> Work between two calls of progress; a step of the window costs 100 plus its length, in fifths of
-   !> a nanosecond
+   !> Work between two calls of progress: a step costs 100 plus the window's length (0.2 ns)
    integer(int64), parameter :: progress_cost = 50000000
 
 contains
 
    !> Marks the samples that stand out of their neighborhood.
    !>
-   !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD of the window.
-   !> Outliers among the neighbors do not count as long as they are less than half of them. Memory: a
-   !> window for each of the stretches that are worked on at the same time, some times the threads.
-   subroutine mark_hampel(x, half_width, threshold, floor, keep, inlier, changed, removed, error, valid, progress)
+   !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD
+   !> of the window. Outliers among the neighbors do not count as long as they are less than half of
+   !> them. Memory: a window for each of the stretches that are worked on at the same time, some
+   !> times the threads.
+   subroutine mark_hampel(x, half_width, threshold, floor, keep, inlier, changed, removed, error, &
+      & valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> k, 1 .. 100,000; about k samples in a row, at most, can be recognized as outliers
       integer, intent(in) :: half_width
       !> t in standard deviations, > 0
       real(dp), intent(in) :: threshold
-      !> f, the least scale, >= 0: half a quantization step, so that a window on one level does not lose
-      !> all others
+      !> f, the least scale, >= 0: half a quantization step keeps the neighbor levels
       real(dp), intent(in) :: floor
       !> .true.: a mark stays, whatever the limit
       logical, intent(in) :: keep
@@ -69,7 +69,7 @@ contains
       changed = 0
       removed = 0
       n = size(x, kind=int64)
-      k = int(min(int(half_width, int64), n))                          ! a wider window has no sample more
+      k = int(min(int(half_width, int64), n))                 ! a wider window has no sample more
       length = max(stretch_length, stretch_windows*int(2*k + 1, int64))
       stretches = (n + length - 1)/length
       steps = length + 2*k
@@ -110,13 +110,15 @@ contains
             if (stat /= 0) exit
          end do
       end if
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the windows of the Hampel filter")
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the windows of the Hampel filter")
    end subroutine make_windows
 
-   !> Some steps of the stretch first:last: in each a sample enters the window, and that in its middle,
-   !> if it is of the stretch, is judged. `done` steps were made before; last - first + 1 + 2k are all.
-   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, keep, window, inlier, changed, &
-      & removed, valid)
+   !> Some steps of the stretch first:last: in each a sample enters the window, and that in its
+   !> middle, if it is of the stretch, is judged. `done` steps were made before; last - first + 1 +
+   !> 2k are all.
+   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, keep, &
+      & window, inlier, changed, removed, valid)
       real(dp), intent(in), contiguous :: x(:)
       integer(int64), intent(in) :: first, last, done, steps, half_width
       real(dp), intent(in) :: threshold, floor
@@ -141,7 +143,7 @@ contains
       end do
    end subroutine judge_stretch
 
-   !> One sample leaves the window, one enters; those that are missing or beyond the record do neither.
+   !> One sample leaves the window, one enters; missing ones and those beyond the record do not.
    pure subroutine advance(x, leaving, entering, window, valid)
       real(dp), intent(in), contiguous :: x(:)
       integer(int64), intent(in) :: leaving, entering

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> A window of values kept in order: its median, and the median distance from it, exactly.
 !>
-!> A value that leaves and one that enters cost two binary searches and one shift of what lies between them; the shift moves
-!> eight bytes a value at the speed of memory, which up to some thousand values is cheaper than any tree.
+!> A value that leaves and one that enters cost two binary searches and one shift of what lies
+!> between them; the shift moves eight bytes a value at the speed of memory, which up to some
+!> thousand values is cheaper than any tree.
 module gyroakf_preprocess_median_window
    use gyroakf_kinds, only : dp
    implicit none (type, external)
@@ -92,13 +93,15 @@ contains
 
       middle = (window%count + 1)/2
       window_median = window%value(middle)
-      if (mod(window%count, 2) == 0) window_median = 0.5_dp*window_median + 0.5_dp*window%value(middle + 1)
+      if (mod(window%count, 2) == 0) window_median = 0.5_dp*window_median &
+         & + 0.5_dp*window%value(middle + 1)
    end function window_median
 
    !> Median of the distances from the median.
    !>
-   !> The distances of the lower half, from the middle outwards, and those of the upper half are two ascending lists; how many
-   !> of the smaller half of all distances come from the lower list is found by bisection.
+   !> The distances of the lower half, from the middle outwards, and those of the upper half are two
+   !> ascending lists; how many of the smaller half of all distances come from the lower list is
+   !> found by bisection.
    pure real(dp) function window_deviation(window, median)
       type(window_type), intent(in) :: window
       real(dp), intent(in) :: median
@@ -111,7 +114,8 @@ contains
       most = wanted
       do while (least < most)
          taken = (least + most)/2
-         if (median - window%value(lower - taken) < window%value(lower + wanted - taken) - median) then
+         if (median - window%value(lower - taken) < window%value(lower + wanted - taken) - median) &
+            & then
             least = taken + 1
          else
             most = taken
@@ -119,11 +123,13 @@ contains
       end do
       window_deviation = 0.0_dp
       if (least > 0) window_deviation = median - window%value(lower + 1 - least)
-      if (wanted > least) window_deviation = max(window_deviation, window%value(lower + wanted - least) - median)
+      if (wanted > least) window_deviation = max(window_deviation, &
+         & window%value(lower + wanted - least) - median)
       if (mod(window%count, 2) == 1) return
       next = huge(next)
       if (least < lower) next = median - window%value(lower - least)
-      if (wanted - least < window%count - lower) next = min(next, window%value(lower + wanted - least + 1) - median)
+      if (wanted - least < window%count - lower) &
+         & next = min(next, window%value(lower + wanted - least + 1) - median)
       window_deviation = 0.5_dp*window_deviation + 0.5_dp*next
    end function window_deviation
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Variance of the differences of successive samples: what white noise leaves, whatever drifts slowly below it.
+!> Variance of the differences of successive samples: that of white noise, whatever drifts.
 module gyroakf_stats_differences
    use gyroakf_kinds, only : dp, int8, int64
    implicit none (type, external)
@@ -11,7 +11,7 @@ module gyroakf_stats_differences
 
 contains
 
-   !> Variance (ddof 1) of x(i+1) - x(i) over the pairs that are present; 0 where there are fewer than two pairs.
+   !> Variance (ddof 1) of x(i+1) - x(i) over the present pairs; 0 below two pairs.
    real(dp) function difference_variance(x, valid) result(variance)
       !> The series, without a large trend: [n], finite
       real(dp), intent(in), contiguous :: x(:)
@@ -26,7 +26,8 @@ contains
       if (n < 3) return
       blocks = (n - 1 + block_size - 1)/block_size
       allocate (pairs(blocks), sums(blocks), squares(blocks))
-      !$omp parallel do default(none) shared(x, valid, n, blocks, pairs, sums, squares) private(first, last) schedule(static)
+      !$omp parallel do default(none) shared(x, valid, n, blocks, pairs, sums, squares) &
+      !$omp& private(first, last) schedule(static)
       do b = 1, blocks
          first = (b - 1)*block_size + 1
          last = min(b*block_size, n - 1) + 1
@@ -37,7 +38,8 @@ contains
          end if
       end do
       if (sum(pairs) < 2) return
-      variance = max(0.0_dp, sum(squares) - sum(sums)**2/real(sum(pairs), dp))/real(sum(pairs) - 1, dp)
+      variance = max(0.0_dp, sum(squares) - sum(sums)**2/real(sum(pairs), dp))/real(sum(pairs) &
+         & - 1, dp)
    end function difference_variance
 
    !> Sums over the pairs of one block.

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Sums of lagged products of one block: the kernel under every autocovariance and under the Dickey-Fuller test.
+!> Sums of lagged products of one block: the kernel under every autocovariance.
 module gyroakf_stats_lagged_products
    use gyroakf_kinds, only : dp
    implicit none (type, external)
