@@ -49,8 +49,7 @@ module gyroakf
    use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use gyroakf_stats_correlation, only : correlation_type, compute_correlation
    ! AR models
-   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar, ar_spectrum
    ! Kalman filter and Sage-Husa adaptive Kalman filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
       run_filter, freeze_filter

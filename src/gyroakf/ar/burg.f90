@@ -11,7 +11,7 @@ module gyroakf_ar_burg
    use gyroakf_progress, only : progress_type
    use gyroakf_chunks, only : chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
-   use gyroakf_stats_residual_block, only : detrended_block
+   use gyroakf_stats_lagged_products, only : detrended_block
    use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
@@ -56,10 +56,9 @@ contains
    !>
    !> $$k_m = \frac{2\sum_t f_{m-1}(t) b_{m-1}(t-1)}{\sum_t f_{m-1}(t)^2 + b_{m-1}(t-1)^2}, \quad
    !> f_m(t) = f_{m-1}(t) - k_m b_{m-1}(t-1), \quad b_m(t) = b_{m-1}(t-1) - k_m f_{m-1}(t)$$ over
-   !> t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over the t of every
-   !> stretch that is long enough, with one k_m for all: de Waele & Broersen, IEEE Trans. Signal
-   !> Process. 48 (2000) 2876-2880. Source: Burg, Maximum entropy spectral analysis, 37th SEG
-   !> meeting (1967).
+   !> t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over all stretches
+   !> that are long enough: de Waele & Broersen, IEEE Trans. Signal Process. 48 (2000)
+   !> 2876-2880. Source: Burg, Maximum entropy spectral analysis, 37th SEG meeting (1967).
    subroutine compute_burg(x, level, order, burg, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -77,18 +76,16 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(lattice_type) :: lattice
       real(dp) :: total(3)
-      integer(int64) :: n
-      integer :: m, stat
+      integer(int64) :: n, begin
+      integer :: m, chunk, stat
 
       n = size(x, kind=int64)
       allocate (burg%phi(order, order), burg%reflection(order), burg%variance(0:order), &
          & burg%residual_variance(0:order), burg%rows(0:order), burg%r(0:order), lattice%f(n), &
          & lattice%b(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the residuals of Burg's recursion, 16 bytes a sample")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the residuals of Burg's recursion, 16 bytes a sample")
+      if (allocated(error)) return
       burg%phi = 0.0_dp
       burg%reflection = 0.0_dp
       lattice%level = level
@@ -102,13 +99,22 @@ contains
          & "the series has no variance, no AR model describes it")
       do m = 1, order
          if (allocated(error)) return
-         call next_order(x, order, lattice, total, error, valid, progress)
-         if (.not. allocated(error)) call take_order(burg, m, total, error)
+         lattice%order = m - 1
+         call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress, &
+            & [m + 1, order + 1])
+         if (allocated(error)) return
+         do chunk = 2, chunk_count(n)       ! first samples: their partners are in the chunk before
+            begin = chunk_first(n, chunk)
+            if (begin > m) call add_products(lattice%f(begin:begin), &
+               & lattice%b(begin - m:begin - m), total)
+         end do
+         call take_order(burg, m, total, error)
          lattice%reflection = burg%reflection(m)
       end do
    end subroutine compute_burg
 
-   !> The next order from the sums of its residuals.
+   !> The next order from the sums of its residuals: sum f_m(t) b_m(t-1), sum f_m(t)^2 + b_m(t-1)^2
+   !> where both are, and their number.
    subroutine take_order(burg, m, total, error)
       type(burg_type), intent(inout) :: burg
       integer, intent(in) :: m
@@ -143,33 +149,6 @@ contains
          call fatal_error(error, status%singular, trim(text))
       end if
    end subroutine take_order
-
-   !> Steps to the next order and sums what the one after that needs.
-   subroutine next_order(x, last, lattice, total, error, valid, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      integer, intent(in) :: last
-      !> Of order m-1, or fresh; of order m afterwards
-      type(lattice_type), intent(inout) :: lattice
-      !> sum f_m(t) b_m(t-1), sum f_m(t)^2 + b_m(t-1)^2 where both are, and their number
-      real(dp), intent(out) :: total(3)
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: n, begin, partner
-      integer :: chunk
-
-      n = size(x, kind=int64)
-      lattice%order = lattice%order + 1
-      call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress, &
-         & [lattice%order + 2, last + 1])
-      ! first samples, whose partners stand in the chunk before
-      do chunk = 2, chunk_count(n)
-         begin = chunk_first(n, chunk)
-         partner = begin - lattice%order - 1
-         if (partner >= 1) call add_products(lattice%f(begin:begin), lattice%b(partner:partner), &
-            & total)
-      end do
-   end subroutine next_order
 
    !> Loads a chunk, or steps to the order in it; sums all but the first sample's part.
    subroutine add_order(self, x, n, chunk, total, stat, valid)

@@ -14,8 +14,7 @@ module gyroakf_ar_least_squares
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_lagged_gram, only : gram_type, shorten_gram
-   use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_residual_block, only : detrended_block, residual_block
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block, residual_block
    use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
@@ -68,10 +67,8 @@ contains
       call normal_matrix(gram, a, scale, error)
       if (allocated(error)) return
       call dpotrf("U", p + 1, a, p + 1, info)
-      if (info > 0) then
-         call refuse(min(info, p), error)
-         return
-      end if
+      if (info > 0) call refuse(min(info, p), error)
+      if (allocated(error)) return
       variance(p) = a(p + 1, p + 1)**2
       do i = p, 1, -1
          variance(i - 1) = variance(i) + a(i, p + 1)**2
@@ -91,22 +88,18 @@ contains
 
       p = gram%lags
       allocate (a(p + 1, p + 1), scale(p + 1), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the normal equations of an AR model")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the normal equations of an AR model")
+      if (allocated(error)) return
       a = 0.0_dp
       do j = 1, p + 1
          a(:j, j) = gram%matrix(2:j + 1, j + 1) &
             & - gram%matrix(1, 2:j + 1)*(gram%matrix(1, j + 1)/real(gram%rows, dp))
          scale(j) = sqrt(max(a(j, j), 0.0_dp))
       end do
-      if (.not. all(scale > 0.0_dp)) then
-         call fatal_error(error, status%constant_input, &
-            & "the series has no variance, no AR model describes it")
-         return
-      end if
+      if (.not. all(scale > 0.0_dp)) call fatal_error(error, status%constant_input, &
+         & "the series has no variance, no AR model describes it")
+      if (allocated(error)) return
       do j = 1, p + 1
          a(:, j) = a(:, j)/scale/scale(j)
       end do
@@ -140,10 +133,8 @@ contains
       allocate (fit%phi(order), fit%spread(order))
       fit%phi = a(:order, order + 1)
       call dpotrf("U", order, a, order + 1, info)
-      if (info > 0) then
-         call refuse(info, error)
-         return
-      end if
+      if (info > 0) call refuse(info, error)
+      if (allocated(error)) return
       call dpotrs("U", order, 1, a, order + 1, fit%phi, max(order, 1), info)
       fit%phi = fit%phi*scale(order + 1)/scale(:order)
       call correct(x, level, gram, a, scale, fit, error, valid, progress)
@@ -219,8 +210,7 @@ contains
    !> Standard errors over the standard deviation of the noise.
    pure subroutine spread_of(gram, inverse, scale, mean, fit)
       type(gram_type), intent(in) :: gram
-      real(dp), intent(in) :: inverse(:, :), scale(:)
-      real(dp), intent(in) :: mean
+      real(dp), intent(in) :: inverse(:, :), scale(:), mean
       type(fitted_order_type), intent(inout) :: fit
       real(dp) :: u(size(fit%phi)), s
       integer :: j, k

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> AR(p) model of a series: orders compared, one chosen, with its uncertainty.
+!> AR(p) model of a series: orders compared, one chosen, with its uncertainty; its spectrum.
 module gyroakf_ar_model
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
@@ -9,19 +9,21 @@ module gyroakf_ar_model
    use gyroakf_stats_lagged_gram, only : gram_type, build_gram
    use gyroakf_stats_trend, only : trend_type
    use gyroakf_ar_burg, only : burg_type, compute_burg
-   use gyroakf_ar_criteria, only : ar_order_type, order_criteria, criterion_number, best_order
    use gyroakf_ar_least_squares, only : compare_orders, fit_order, fitted_order_type
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_ar_residuals, only : analyse_residuals
    use gyroakf_ar_roots, only : find_ar_roots, largest_modulus
-   use gyroakf_ar_ar_types, only : ar_options, ar_model_type, check_options, check_length
+   use gyroakf_ar_ar_types, only : ar_options, ar_model_type, ar_order_type, check_options, &
+      & check_length, order_criteria, criterion_number, best_order
    use gyroakf_stats_correlation, only : correlation_of
    use gyroakf_stats_moments, only : moments_type
    use gyroakf_stats_normality, only : test_jarque_bera
    use gyroakf_stats_whiteness, only : ljung_box_of
    implicit none (type, external)
    private
-   public :: ar_options, ar_order_type, ar_model_type, fit_ar
+   public :: ar_options, ar_order_type, ar_model_type, fit_ar, ar_spectrum
+
+   real(dp), parameter :: two_pi = 6.283185307179586476925286766559_dp
 
 contains
 
@@ -61,7 +63,7 @@ contains
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
       type(trend_type) :: level
-      real(dp) :: constant
+      real(dp) :: constant, n
       integer :: most, lags
 
       call check_options(options, most, error)
@@ -95,8 +97,13 @@ contains
          call fit_least_squares(x, level, most, options, model, constant, error, valid, progress)
       end select
       if (allocated(error)) return
-      call describe(model, error)
-      if (.not. allocated(error)) call test_residuals(x, constant, model, error, valid, progress)
+      n = real(model%rows, dp)
+      model%unbiased_variance = model%noise_variance*(n/(n - real(model%order + 1, dp)))
+      if (model%method /= "ols") model%intercept = model%mean*(1.0_dp - sum(model%coefficient))
+      call find_ar_roots(model%coefficient, model%root, error)
+      if (allocated(error)) return
+      model%stationary = largest_modulus(model%root) < 1.0_dp
+      call test_residuals(x, constant, model, error, valid, progress)
    end subroutine fit_ar
 
    !> The model from autocovariances.
@@ -108,14 +115,26 @@ contains
       type(ar_model_type), intent(inout) :: model
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: phi(:, :), variance(:)
+      real(dp) :: length
+      integer :: k
+      character(160) :: text
 
-      call check_pairs(pairs, error)
-      if (.not. allocated(error)) call solve_levinson(r, phi, variance, error)
+      k = findloc(pairs, 0_int64, 1) - 1
+      if (k >= 0) then                               ! nothing is known of that autocovariance
+         write (text, "(2(a, i0), a)") "the gaps leave no two samples ", k, " apart for AR(", &
+            & ubound(pairs, 1), "): try a lower order, or another method"
+         call fatal_error(error, status%too_few_samples, trim(text))
+         return
+      end if
+      call solve_levinson(r, phi, variance, error)
       if (allocated(error)) return
       call take_order(variance, phi, options, model)
       model%residual_variance = model%noise_variance
-      call standard_errors(r, model%noise_variance/effective_length(n, pairs(:model%order)), &
-         & model, error)
+      length = real(n, dp)        ! of a series without gaps that would determine them as well
+      do k = 0, model%order
+         length = min(length, real(n, dp)*real(pairs(k), dp)/real(n - k, dp))
+      end do
+      call standard_errors(r, model%noise_variance/length, model, error)
    end subroutine model_of
 
    !> The model by Burg's recursion.
@@ -209,51 +228,9 @@ contains
       model%largest_order_chosen = most > 0 .and. model%order == most
    end subroutine choose_order
 
-   !> Intercept, unbiased variance, roots, whether the model is stationary.
-   subroutine describe(model, error)
-      type(ar_model_type), intent(inout) :: model
-      type(error_type), allocatable, intent(out) :: error
-      real(dp) :: n
-
-      n = real(model%rows, dp)
-      model%unbiased_variance = model%noise_variance*(n/(n - real(model%order + 1, dp)))
-      if (model%method /= "ols") model%intercept = model%mean*(1.0_dp - sum(model%coefficient))
-      call find_ar_roots(model%coefficient, model%root, error)
-      if (.not. allocated(error)) model%stationary = largest_modulus(model%root) < 1.0_dp
-   end subroutine describe
-
-   !> Refuses gaps that leave a lag without any pair of samples.
-   subroutine check_pairs(pairs, error)
-      !> Present pairs at the lags 0 .. p: [0:p]
-      integer(int64), intent(in) :: pairs(0:)
-      type(error_type), allocatable, intent(out) :: error
-      character(160) :: text
-      integer :: lag
-
-      lag = findloc(pairs, 0_int64, 1) - 1
-      if (lag < 0) return
-      write (text, "(2(a, i0), a)") "the gaps leave no two samples ", lag, " apart for AR(", &
-         & ubound(pairs, 1), "): try a lower order, or another method"
-      call fatal_error(error, status%too_few_samples, trim(text))
-   end subroutine check_pairs
-
-   !> Length of a series without gaps that would determine the autocovariances as well.
-   pure real(dp) function effective_length(n, pairs) result(length)
-      integer(int64), intent(in) :: n
-      !> Present pairs at the lags 0 .. p, of n - k: [0:p]
-      integer(int64), intent(in) :: pairs(0:)
-      integer :: k
-
-      length = real(n, dp)
-      do k = 0, ubound(pairs, 1)
-         length = min(length, real(n, dp)*real(pairs(k), dp)/real(n - k, dp))
-      end do
-   end function effective_length
-
    !> Square roots of the diagonal of factor R^-1.
    subroutine standard_errors(r, factor, model, error)
-      real(dp), intent(in) :: r(0:)
-      real(dp), intent(in) :: factor
+      real(dp), intent(in) :: r(0:), factor
       type(ar_model_type), intent(inout) :: model
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: a(:, :)
@@ -261,20 +238,16 @@ contains
 
       p = model%order
       allocate (model%std_error(p), a(p, p), stat=info)
-      if (info /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the standard errors")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%no_memory, "no memory for the standard errors")
+      if (allocated(error)) return
       do j = 1, p
          a(:j, j) = r(j - 1:0:-1)/r(0)
       end do
       if (p > 0) call dpotrf("U", p, a, p, info)
       if (p > 0 .and. info == 0) call dpotri("U", p, a, p, info)
-      if (info /= 0) then
-         call fatal_error(error, status%singular, &
-            & "the autocovariance matrix is singular, there are no standard errors")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%singular, &
+         & "the autocovariance matrix is singular, there are no standard errors")
+      if (allocated(error)) return
       do i = 1, p
          model%std_error(i) = sqrt(factor/r(0)*a(i, i))
       end do
@@ -310,5 +283,32 @@ contains
       if (.not. allocated(untested)) call correlation_of(r, n, model%order, &
          & model%residual_correlation, untested, pairs)
    end subroutine test_residuals
+
+   !> Two-sided power spectral density of a model at a frequency.
+   !>
+   !> $$S(f) = \frac{s_p^2\,\Delta}{\bigl|1 - \sum_j \phi_j e^{-2\pi i f j \Delta}\bigr|^2}, \quad
+   !> \int_{-1/(2\Delta)}^{1/(2\Delta)} S(f)\,df = \mathrm{Var}(x)$$ so that white noise of density
+   !> N^2 has S = N^2; a one-sided density is twice this. Of a model that is not stationary the
+   !> formula has no such meaning. Source: Marple, Digital Spectral Analysis (1987), 6.3.
+   elemental real(dp) function ar_spectrum(model, frequency, interval) result(density)
+      !> Fitted; u its unit
+      type(ar_model_type), intent(in) :: model
+      !> f in 1/s, any: the density has the period 1/interval and is even
+      real(dp), intent(in) :: frequency
+      !> Sample interval in s, > 0; 1 for a frequency in cycles a sample
+      real(dp), intent(in) :: interval
+      complex(dp) :: z, filter
+      integer :: j
+
+      filter = (0.0_dp, 0.0_dp)
+      z = exp(cmplx(0.0_dp, -two_pi*modulo(frequency*interval, 1.0_dp), dp))
+      do j = model%order, 1, -1
+         filter = (filter + model%coefficient(j))*z
+      end do
+      filter = 1.0_dp - filter
+      density = huge(density)
+      if (abs(filter) <= sqrt(tiny(density))) return
+      density = model%noise_variance*interval/(real(filter, dp)**2 + aimag(filter)**2)
+   end function ar_spectrum
 
 end module gyroakf_ar_model

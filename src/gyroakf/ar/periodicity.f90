@@ -10,7 +10,7 @@ module gyroakf_ar_periodicity
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
-   use gyroakf_stats_residual_block, only : residual_block
+   use gyroakf_stats_lagged_products, only : residual_block
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
@@ -53,8 +53,7 @@ contains
    !> The series itself is tested where no AR model can be fitted to it, and where two adjacent
    !> ordinates of its periodogram hold three quarters of the power: a sinusoid of at least five
    !> periods that an AR model would predict. A series of 65536 values or more loses its last ones
-   !> (and an odd one its last) down to a length with the prime factors 2, 3, 5, 7, 11, 13 only,
-   !> some parts in a thousand at most.
+   !> (and an odd one its last) down to a length with the prime factors 2, 3, 5, 7, 11, 13 only.
    subroutine analyse_periodicity(x, options, result, error, valid, model, progress)
       !> Series: [n], n >= 32 more than the order; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -200,17 +199,13 @@ contains
 
       p = size(phi)
       count_white = size(x, kind=int64) - p
-      if (count_white < 1) then
-         call fatal_error(error, status%too_few_samples, &
-            & "the series is not longer than the order of its AR model")
-         return
-      end if
+      if (count_white < 1) call fatal_error(error, status%too_few_samples, &
+         & "the series is not longer than the order of its AR model")
+      if (allocated(error)) return
       allocate (white(count_white), flag(reported), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (here(count_white), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the residuals")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the residuals")
+      if (allocated(error)) return
       call set_level(level, mean, 0.0_dp)
       do first = 1, count_white, reported
          call report_progress("whitening", first - 1, count_white, error, progress)

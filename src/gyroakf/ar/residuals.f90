@@ -7,8 +7,7 @@ module gyroakf_ar_residuals
    use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_moments, only : moments_type, compute_moments, join_moments
-   use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_residual_block, only : residual_block
+   use gyroakf_stats_lagged_products, only : add_lagged_products, residual_block
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
@@ -31,8 +30,7 @@ contains
    !> Autocovariances and moments of the residuals.
    !>
    !> $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m)$$ for the t whose p predecessors exist and are
-   !> present. r_k is biased, of n - p residuals about their mean. The sums are taken about
-   !> `constant` and moved to the mean.
+   !> present. r_k is biased, of n - p residuals about their mean; the sums are about `constant`.
    subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid, &
       & progress)
       !> Series: [n], finite; not modified
@@ -71,10 +69,9 @@ contains
       end if
       allocate (r(0:max_lag), pairs(0:max_lag), s(0:max_lag, 4), total(4*(max_lag + 1)), &
          & sums%part(chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of the residuals")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums of the residuals")
+      if (allocated(error)) return
       call set_level(sums%level, mean, 0.0_dp)
       sums%phi = phi
       sums%constant = constant

@@ -31,9 +31,9 @@ contains
 
    !> Finds the roots as the eigenvalues of the balanced companion matrix.
    !>
-   !> Each is exact for coefficients that differ from `phi` by rounding errors of its largest; a
-   !> root that p others nearly share is uncertain by the p-th root of that. Source: Golub & Van
-   !> Loan, Matrix Computations (2013), 7.4.6.
+   !> Each is exact for coefficients that differ from `phi` by rounding errors of its largest; one
+   !> that p others nearly share is uncertain by the p-th root. Source: Golub & Van Loan, Matrix
+   !> Computations (2013), 7.4.6.
    subroutine find_ar_roots(phi, root, error)
       !> Coefficients: [p], p >= 0, finite
       real(dp), intent(in) :: phi(:)
@@ -46,15 +46,13 @@ contains
       integer :: i, p, low, high, info, stat
 
       p = size(phi)
-      if (.not. all(ieee_is_finite(phi))) then
-         call fatal_error(error, status%non_finite, "an AR coefficient is not finite")
-         return
-      end if
+      if (.not. all(ieee_is_finite(phi))) call fatal_error(error, status%non_finite, &
+         & "an AR coefficient is not finite")
+      if (allocated(error)) return
       allocate (h(p, p), root(p), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the roots of the AR model")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the roots of the AR model")
+      if (allocated(error)) return
       if (p == 0) return
       allocate (scale(p), re(p), im(p), work(11*p))
       h = 0.0_dp
@@ -64,10 +62,9 @@ contains
       end do
       call dgebal("S", p, h, p, low, high, scale, info)
       call dhseqr("E", "N", p, 1, p, h, p, re, im, unused, 1, work, size(work), info)
-      if (info /= 0) then
-         call fatal_error(error, status%singular, "the roots of the AR model were not found")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%singular, &
+         & "the roots of the AR model were not found")
+      if (allocated(error)) return
       call sort(re, im)
       root = root_of(re, im)
    end subroutine find_ar_roots

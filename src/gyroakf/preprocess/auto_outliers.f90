@@ -181,10 +181,9 @@ contains
          end do
          if (pass == 2) exit
          allocate (motion(2, found), stat=stat)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for the stretches of motion")
-            return
-         end if
+         if (stat /= 0) call fatal_error(error, status%no_memory, &
+            & "no memory for the stretches of motion")
+         if (allocated(error)) return
       end do
       marks = merge(present_bit, 0_int8, iand(marks, ior(present_bit, exceeds_bit)) == present_bit)
    end subroutine list_motion

@@ -62,10 +62,8 @@ contains
       allocate (cleaned(size(x, kind=int64)), stat=stat)
       if (stat == 0 .and. (present(valid) .or. options%method /= "none")) &
          & allocate (present_out(size(x, kind=int64)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the cleaned series")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the cleaned series")
+      if (allocated(error)) return
       if (allocated(present_out)) present_out = 1_int8
       if (present(valid)) present_out = merge(1_int8, 0_int8, valid /= 0_int8)
       result%method = options%method
@@ -169,7 +167,8 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: changed
-      real(dp) :: step, limit
+      real(dp) :: step, limit, centre, scale
+      logical :: keep
 
       call still_cleaning(error, progress)
       if (.not. allocated(error)) call find_coarse_step(x, step, error, valid)
@@ -179,11 +178,26 @@ contains
          & 16.0_dp*epsilon(x)*maxval(abs(x), mask=mask /= 0_int8))
       do while (result%passes < options%max_passes)
          result%passes = result%passes + 1
+         keep = result%passes > free_rounds
          call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
          if (.not. allocated(error)) call still_cleaning(error, progress)
-         if (.not. allocated(error)) call judge(cleaned, options, limit, mask, moments, changed, &
-            & result, error, valid, progress)
          if (allocated(error)) return
+         select case (options%method)
+         case ("hampel")
+            call mark_hampel(cleaned, options%half_width, result%threshold, &
+               & limit/result%threshold, keep, mask, changed, result%removed, error, valid, &
+               & progress)
+         case ("mad")
+            call robust_centre(cleaned, centre, scale, error, valid, progress)
+         case default
+            call compute_moments(cleaned, moments, mask)
+            centre = moments%mean
+            scale = moments%std
+         end select
+         if (.not. allocated(error)) call still_cleaning(error, progress)
+         if (allocated(error)) return
+         if (options%method /= "hampel") call mark_outliers(cleaned, centre, &
+            & max(result%threshold*scale, limit), keep, mask, changed, result%removed, valid)
          result%converged = changed == 0
          if (result%converged) return
          result%converged = options%method == "hampel" .and. options%degree < 1
@@ -192,43 +206,6 @@ contains
       moments = moments_type()
       call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
    end subroutine run_rounds
-
-   !> One round: marks the outliers of the detrended series.
-   subroutine judge(cleaned, options, least, mask, moments, changed, result, error, valid, progress)
-      real(dp), intent(in), contiguous :: cleaned(:)
-      type(clean_options), intent(in) :: options
-      real(dp), intent(in) :: least
-      integer(int8), intent(inout), contiguous :: mask(:)
-      type(moments_type), intent(inout) :: moments
-      integer(int64), intent(out) :: changed
-      type(clean_type), intent(inout) :: result
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      real(dp) :: centre, scale
-      logical :: keep
-
-      changed = 0
-      moments = moments_type()
-      keep = result%passes > free_rounds
-      if (options%method == "hampel") then
-         call mark_hampel(cleaned, options%half_width, result%threshold, least/result%threshold, &
-            & keep, mask, changed, result%removed, error, valid, progress)
-         return
-      end if
-      if (options%method == "mad") then
-         call robust_centre(cleaned, centre, scale, error, valid, progress)
-         if (allocated(error)) return
-      else
-         call compute_moments(cleaned, moments, mask)
-         centre = moments%mean
-         scale = moments%std
-      end if
-      call still_cleaning(error, progress)
-      if (allocated(error)) return
-      call mark_outliers(cleaned, centre, max(result%threshold*scale, least), keep, mask, changed, &
-         & result%removed, valid)
-   end subroutine judge
 
    !> Indices of the outliers, 0 where missing, mean and variance.
    subroutine finish(cleaned, mask, found, max_passes, moments, result, error, valid)
@@ -246,10 +223,8 @@ contains
 
       result%fraction = real(result%removed, dp)/real(found, dp)
       allocate (result%outlier(result%removed), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the list of outliers")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the list of outliers")
+      if (allocated(error)) return
       if (allocated(mask)) then
          k = 0
          do i = 1, size(mask, kind=int64)

@@ -51,8 +51,7 @@ module gyroakf_preprocess_clean_types
       real(dp) :: corrected_variance = 0.0_dp
       !> Samples on either side, with hampel; else 0
       integer :: half_width = 0
-      !> With auto: first and last sample of each stretch of motion, which is left as it is: [2,
-      !> stretches]; else unallocated
+      !> With auto: first and last sample of each stretch of motion, which is left: [2, stretches]
       integer(int64), allocatable :: motion(:, :)
    end type clean_type
 

@@ -2,9 +2,8 @@
 !> Samples whose distance from the running median exceeds a threshold that follows from these
 !> distances: steps 1 to 3 of the outlier rule `auto` ([[gyroakf_preprocess_auto_outliers]]).
 !>
-!> Quantiles and counts are those of a histogram of the residuals, 128 classes an octave: three
-!> passes over the record, the second over loud blocks and the third over blocks with an exceedance
-!> only.
+!> Quantiles and counts are those of a histogram of the residuals, 128 classes an octave: a pass
+!> over the record, one over loud blocks and one over blocks with an exceedance.
 module gyroakf_preprocess_exceedances
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -19,8 +18,7 @@ module gyroakf_preprocess_exceedances
 
    !> White normal noise less its running median: median, 90 % point over it, scale of the tail
    real(dp), parameter :: median_residual = 0.6003_dp, tail_ratio = 2.734_dp, tail_scale = 1.0506_dp
-   !> The quantiles are those of the residuals below this many standard deviations at least; of
-   !> fewer they would shrink to 0
+   !> Quantiles of the residuals below this many sigma at least: of fewer they shrink to 0
    real(dp), parameter :: least_scale = 2.0_dp
    !> Loudness from which on residuals are divided by it; blocks from which on it is compared
    real(dp), parameter :: loud_from = 1.5_dp
@@ -61,10 +59,9 @@ contains
       used = z
       parts = merge(thread_count(), 1, n >= threads_from)
       allocate (loud(blocks), peak(blocks), counts(0:classes, parts), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the search for outliers")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the search for outliers")
+      if (allocated(error)) return
       call report_progress("looking for outliers", 0_int64, n, error, progress)
       if (allocated(error)) return
       call scan_blocks(x, step, marks, loud, peak, counts)
@@ -148,10 +145,9 @@ contains
       blocks = size(loud, kind=int64)
       if (mod(n, int(block_size, int64)) /= 0) loud(blocks) = -1.0_dp
       allocate (known(blocks), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the loudness of the blocks")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the loudness of the blocks")
+      if (allocated(error)) return
       known(:) = merge(1_int8, 0_int8, loud >= 0.0_dp)
       if (count(known == 1_int8, kind=int64) >= min_blocks) &
          & call find_median(loud, typical, error, known)

@@ -5,8 +5,7 @@
 !>
 !> A median keeps steps, ramps and warm-ups, and five bad samples of eleven do not move it. The
 !> record is mirrored at its ends, missing samples are bridged by straight lines. Quantized samples
-!> are spread uniformly over their step by fixed numbers: without these the quantiles of r are 0 or
-!> a step.
+!> are spread over their step by fixed numbers: else the quantiles of r are 0 or a step.
 module gyroakf_preprocess_running_residual
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -193,10 +192,9 @@ contains
 
       number = size(x, kind=int64)/window
       allocate (median(number), known(number), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the search for motion")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the search for motion")
+      if (allocated(error)) return
       !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) &
       !$omp& private(y, there, medians, j, bad) &
       !$omp& schedule(static) reduction(+:stat)
@@ -236,11 +234,9 @@ contains
       step = 0.0_dp
       n = int(min(size(x, kind=int64), step_samples))
       allocate (value(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the search of a quantization step")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the search of a quantization step")
+      if (allocated(error)) return
       k = 0
       do i = 1, n
          if (present(valid)) then

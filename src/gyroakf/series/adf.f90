@@ -23,8 +23,7 @@ module gyroakf_series_adf
       character(3) :: regression = "c"
       !> Lags of the difference; -1: chosen by the criterion
       integer :: lags = -1
-      !> Most lags to choose from; -1: ceiling(12 (n/100)^(1/4)). A short series, or gaps,
-      !> allow fewer: see default_max_lags
+      !> Most lags to choose from, fewer in a short series; -1: ceiling(12 (n/100)^(1/4))
       integer :: max_lags = -1
       !> aic, bic, or t (the last lag with |t| >= 1.645; 0 where there is none)
       character(3) :: criterion = "aic"
@@ -47,8 +46,7 @@ module gyroakf_series_adf
       character(3) :: regression = "c", criterion = "aic"
       !> Critical values at 1 %, 5 %, 10 % for this number of rows
       real(dp) :: critical(3) = 0.0_dp
-      !> statistic < critical(2): the unit root is rejected at 5 %, the series counts as stationary
-      !> (about its deterministic part)
+      !> statistic < critical(2): the unit root is rejected at 5 %
       logical :: stationary = .false.
       !> The lag was chosen, from 0 .. max_lags, by `criterion`; else it was given
       logical :: lag_chosen = .false.
@@ -108,6 +106,7 @@ contains
       type(trend_type) :: trend
       type(gram_type) :: gram
       real(dp) :: rounding
+      integer(int64) :: stride
       integer :: terms
 
       call check_options(x, options, terms, error, valid)
@@ -121,11 +120,15 @@ contains
       result%wanted_lags = options%lags
       if (result%lag_chosen) call default_max_lags(size(x, kind=int64), terms, options%max_lags, &
          & result%max_lags, result%wanted_lags, valid)
-      rounding = epsilon(x)*largest_value(x, valid)
-      if (rounding > epsilon(x)*largest_square_root) then
-         call fatal_error(error, status%non_finite, overflows)
-         return
+      stride = size(x, kind=int64)/4096 + 1                            ! some thousand tell enough
+      if (present(valid)) then
+         rounding = epsilon(x)*max(0.0_dp, maxval(abs(x(::stride)), mask=valid(::stride) /= 0_int8))
+      else
+         rounding = epsilon(x)*maxval(abs(x(::stride)))
       end if
+      if (rounding > epsilon(x)*largest_square_root) call fatal_error(error, &
+         & status%non_finite, overflows)
+      if (allocated(error)) return
       call regress(x, trend, terms, result%max_lags, rounding, gram, error, valid, shared, progress)
       if (allocated(error)) return
       result%lag = result%max_lags
@@ -231,21 +234,6 @@ contains
          end if
       end associate
    end subroutine regress
-
-   !> Largest absolute value of the present samples, from at most some thousand of them.
-   pure real(dp) function largest_value(x, valid) result(largest)
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i
-
-      largest = 0.0_dp
-      do i = 1, size(x, kind=int64), size(x, kind=int64)/4096 + 1
-         if (present(valid)) then
-            if (valid(i) == 0_int8) cycle
-         end if
-         largest = max(largest, abs(x(i)))
-      end do
-   end function largest_value
 
    !> The lag by the criterion.
    subroutine choose_lag(x, trend, gram, rounding, result, error, valid, progress)

@@ -1,10 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Triangular factor of a Dickey-Fuller regression: of its Gram matrix, and of its rows where that
-!> has lost its digits.
+!> Factor of a Dickey-Fuller regression: of its Gram matrix, of its rows where that lost digits.
 !>
-!> The columns are scaled to length 1; the last one is the difference y. With R the factor the
-!> regression with the first i columns leaves the sum of squares \(\sum_{j>i} R_{jk}^2\), k the last
-!> column, without cancellation.
+!> The columns are scaled to length 1; the last one is the difference y. The regression with the
+!> first i columns leaves \(\sum_{j>i} R_{jk}^2\), k the last column, without cancellation.
 module gyroakf_series_adf_factor
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -28,8 +26,7 @@ module gyroakf_series_adf_factor
 
 contains
 
-   !> The factor of the columns in an order: from the Gram matrix, or from the rows where that has
-   !> lost its digits.
+   !> The factor of the columns in an order, from the Gram matrix or the rows.
    subroutine factor_regression(x, trend, gram, order, rounding, r, scale, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
@@ -56,11 +53,9 @@ contains
 
       k = size(order)
       allocate (r(k, k), stat=i)
-      if (i /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the factor of the unit-root regression")
-         return
-      end if
+      if (i /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the factor of the unit-root regression")
+      if (allocated(error)) return
       r = 0.0_dp
       do j = 1, k
          do i = 1, j
@@ -118,10 +113,8 @@ contains
       mean = 0.0_dp
       if (gram%terms > 0) mean(gram%terms + 1:) = gram%matrix(1, order(gram%terms + 1:)) &
          & /gram%matrix(1, 1)
-      if (.not. all(scale > 0.0_dp) .or. real(n, dp)*real(k, dp)**2 > most_work) then
-         call refuse(error)
-         return
-      end if
+      if (.not. all(scale > 0.0_dp) .or. real(n, dp)*real(k, dp)**2 > most_work) call refuse(error)
+      if (allocated(error)) return
       r = 0.0_dp
       do first = gram%lags + 1, n - 1, max(256, 2*k)
          call report_progress("unit-root test", first, n, error, progress)
@@ -170,10 +163,9 @@ contains
       base = gram%terms + 1
       allocate (y(-p - 1:int(last - first)), row(k), tau(k), work(64*k))
       allocate (a(k + int(last - first) + 1, k), stat=info)
-      if (info /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for rows of the unit-root regression")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for rows of the unit-root regression")
+      if (allocated(error)) return
       y(:) = x(first - p:last + 1)
       call subtract_trend(trend, first - p - 1, y)
       a(:k, :) = r

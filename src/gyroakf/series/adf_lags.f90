@@ -50,8 +50,7 @@ contains
       end do
    end subroutine default_max_lags
 
-   !> The lag by a criterion, from one factorisation: with l the last column, RSS of the first i
-   !> regressors is the sum of l_j^2, j > i.
+   !> The lag by a criterion: RSS of the first i regressors is the sum of l_j^2, j > i, of column l.
    pure subroutine pick_lag(r, terms, lags, rows, criterion, scale, lag, best)
       !> Factor of powers of the time, level, lags, difference, in its upper triangle
       real(dp), intent(in) :: r(:, :)

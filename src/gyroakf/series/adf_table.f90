@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Coefficients of a Dickey-Fuller regression with their standard errors, in the samples as they
-!> are.
+!> Coefficients of a Dickey-Fuller regression of the samples, with their standard errors.
 !>
 !> The regression is made on the series less its trend T and on powers of a scaled time. In the
 !> user's terms it is $$\Delta x_t = \alpha_0 + \alpha_1 s + \alpha_2 s^2 + \rho x_{t-1} + \sum_j

@@ -75,8 +75,7 @@ contains
    !> With missing samples n is the number of present ones, S grows and counts at present samples
    !> only, and the products are those of present pairs, divided by n (so that they estimate the
    !> variance of the sums that S takes, and stay positive definite). Sources: Kwiatkowski et al.,
-   !> J. Econometrics 54 (1992) 159-178; for gaps Datta & Du, FRB Int. Finance Disc. Papers 1060
-   !> (2012).
+   !> J. Econometrics 54 (1992) 159-178; for gaps Datta & Du, FRB IFDP 1060 (2012).
    subroutine test_kpss(x, options, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -94,8 +93,9 @@ contains
       type(trend_type) :: trend
       type(cumulative_type) :: sums
       real(dp), allocatable :: products(:)
-      real(dp) :: n
+      real(dp) :: n, rounding
       integer :: terms, q
+      character(120) :: text
 
       call check_options(options, size(x, kind=int64), terms, error)
       if (allocated(error)) return
@@ -111,12 +111,30 @@ contains
       q = first_lags(size(x, kind=int64))
       call sum_residuals(trend, x, q, sums, products, error, valid, progress)
       if (allocated(error)) return
-      call check_sums(trend, sums, products(0), terms, error)
-      if (allocated(error)) return
       n = sums%count
       result%observations = nint(n, int64)
+      rounding = epsilon(1.0_dp)*(sum(abs(trend%legendre)) + abs(trend%remainder))
+      if (result%observations < int(terms, int64) + 2) then
+         write (text, "(2(a, i0), a)") "the KPSS test needs at least ", terms + 2, " samples, ", &
+            & result%observations, " are present"
+         call fatal_error(error, status%too_few_samples, trim(text))
+      else if (.not. products(0) > rounding_factor*n*rounding**2) then
+         call fatal_error(error, status%constant_input, "the series is constant, or a line " &
+            & //"with ct, to rounding: there is nothing to test for stationarity")
+      end if
+      if (allocated(error)) return
       result%regression = options%regression
-      call choose_lags(options, products, size(x, kind=int64), result)
+      result%rule = options%rule
+      if (options%lags >= 0) then
+         result%lags = options%lags
+         result%rule = "fixed"
+      else if (options%rule == "legacy") then
+         result%lags = schwert_lags(result%observations)
+      else
+         result%lags = hobijn_lags(products(0:min(first_lags(result%observations), q)), &
+            & result%observations)
+      end if
+      result%lags = min(result%lags, size(x, kind=int64) - 1)
       result%variance = products(0)/n
       if (result%lags <= q) then
          result%long_run_variance = bartlett_variance(products, int(result%lags))/n
@@ -137,9 +155,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(120) :: text
 
-      terms = 0
-      if (options%regression == "c") terms = 1
-      if (options%regression == "ct") terms = 2
+      terms = findloc(["c ", "ct"] == options%regression, .true., 1)
       if (terms == 0) then
          call fatal_error(error, status%invalid_argument, "unknown regression '" &
             & //trim(options%regression)//"' of the KPSS test; there are c, ct")
@@ -156,27 +172,6 @@ contains
       end if
    end subroutine check_options
 
-   !> Refuses a series that leaves nothing to test.
-   subroutine check_sums(trend, sums, squares, terms, error)
-      type(trend_type), intent(in) :: trend
-      type(cumulative_type), intent(in) :: sums
-      real(dp), intent(in) :: squares
-      integer, intent(in) :: terms
-      type(error_type), allocatable, intent(out) :: error
-      real(dp) :: rounding
-      character(120) :: text
-
-      rounding = epsilon(1.0_dp)*(sum(abs(trend%legendre)) + abs(trend%remainder))
-      if (nint(sums%count, int64) < int(terms, int64) + 2) then
-         write (text, "(2(a, i0), a)") "the KPSS test needs at least ", terms + 2, " samples, ", &
-            & nint(sums%count, int64), " are present"
-         call fatal_error(error, status%too_few_samples, trim(text))
-      else if (.not. squares > rounding_factor*sums%count*rounding**2) then
-         call fatal_error(error, status%constant_input, "the series is constant, or a line " &
-            & //"with ct, to rounding: there is nothing to test for stationarity")
-      end if
-   end subroutine check_sums
-
    !> floor(n^(2/9)), exactly: the lags from which the bandwidth is chosen.
    pure integer function first_lags(n) result(q)
       integer(int64), intent(in) :: n
@@ -188,29 +183,6 @@ contains
       if (int(q + 1, int64)**9 <= n*n) q = q + 1
       if (int(q, int64)**9 > n*n) q = q - 1
    end function first_lags
-
-   !> The bandwidth.
-   pure subroutine choose_lags(options, products, length, result)
-      type(kpss_options), intent(in) :: options
-      real(dp), intent(in) :: products(0:)
-      !> Of the series, missing samples included
-      integer(int64), intent(in) :: length
-      !> `observations` is set; lags and rule are filled
-      type(kpss_type), intent(inout) :: result
-      integer :: q
-
-      result%rule = options%rule
-      if (options%lags >= 0) then
-         result%lags = options%lags
-         result%rule = "fixed"
-      else if (options%rule == "legacy") then
-         result%lags = schwert_lags(result%observations)
-      else
-         q = min(first_lags(result%observations), ubound(products, 1))
-         result%lags = hobijn_lags(products(0:q), result%observations)
-      end if
-      result%lags = min(result%lags, length - 1)
-   end subroutine choose_lags
 
    !> Statistic, p-value, verdict.
    subroutine judge(sum_share, terms, result, error)

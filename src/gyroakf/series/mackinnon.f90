@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Distribution of the Dickey-Fuller statistic: MacKinnon's response surfaces.
 !>
-!> Sources: critical values J. G. MacKinnon, Critical values for cointegration tests, Queen's
-!> Economics Department working paper 1227 (2010); p-values J. G. MacKinnon, J. Bus. Econ. Stat. 12
-!> (1994) 167-176. Both for one series.
+!> Sources: critical values J. G. MacKinnon, Queen's Economics Department working paper 1227 (2010);
+!> p-values J. G. MacKinnon, J. Bus. Econ. Stat. 12 (1994) 167-176. Both for one series.
 module gyroakf_series_mackinnon
    use gyroakf_kinds, only : dp, int64
    use gyroakf_special, only : normal_cdf
@@ -48,14 +47,9 @@ contains
    pure integer function regression_number(regression)
       !> n, c, ct or ctt
       character(*), intent(in) :: regression
+      character(3), parameter :: names(4) = [character(3) :: "n", "c", "ct", "ctt"]
 
-      select case (regression)
-      case ("n"); regression_number = 1
-      case ("c"); regression_number = 2
-      case ("ct"); regression_number = 3
-      case ("ctt"); regression_number = 4
-      case default; regression_number = 0
-      end select
+      regression_number = findloc(names == regression, .true., 1)
    end function regression_number
 
    !> Critical values at 1 %, 5 %, 10 % for T rows, $$b_0 + b_1/T + b_2/T^2 + b_3/T^3$$

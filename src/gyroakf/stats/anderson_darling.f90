@@ -76,11 +76,9 @@ contains
       if (allocated(error)) return
       z(:) = z - moments%mean                 ! an offset costs no digits: its rest goes below
       call compute_moments(z, moments)
-      if (.not. moments%kurtosis > 0.0_dp) then
-         call fatal_error(error, status%constant_input, &
-            & "the series has no variance, normality cannot be tested")
-         return
-      end if
+      if (.not. moments%kurtosis > 0.0_dp) call fatal_error(error, status%constant_input, &
+         & "the series has no variance, normality cannot be tested")
+      if (allocated(error)) return
       call sort_values(z, error, progress)
       if (allocated(error)) return
       n = real(result%samples, dp)
@@ -121,11 +119,9 @@ contains
       result%stride = (found - 1)/options%most_samples + 1
       result%samples = (found - 1)/result%stride + 1
       allocate (z(result%samples), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the sorted series of the Anderson-Darling test")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sorted series of the Anderson-Darling test")
+      if (allocated(error)) return
       if (.not. present(valid)) z(:) = x(::result%stride)
       if (.not. present(valid)) return
       k = 0
@@ -173,8 +169,7 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: mean, std
       integer, intent(in) :: chunk
-      real(dp) :: total(2)
-      real(dp) :: near, far, weight, n
+      real(dp) :: total(2), near, far, weight, n
       integer(int64) :: i
 
       total = 0.0_dp
@@ -207,8 +202,7 @@ contains
       end if
    end subroutine both_logarithms
 
-   !> Adds a term; the second part holds what rounding loses. Source: Neumaier, Z. Angew. Math.
-   !> Mech. 54 (1974) 39-51.
+   !> Adds a term, compensated. Source: Neumaier, Z. Angew. Math. Mech. 54 (1974) 39-51.
    pure subroutine add(term, total)
       real(dp), intent(in) :: term
       real(dp), intent(inout) :: total(2)

@@ -16,9 +16,8 @@ module gyroakf_stats_autocovariance
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_progress, only : progress_type
-   use gyroakf_stats_lagged_products, only : add_lagged_products
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block
    use gyroakf_stats_moments, only : first_present
-   use gyroakf_stats_residual_block, only : detrended_block
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
@@ -60,9 +59,8 @@ contains
    !> $$r_k = \frac{1}{n} \sum_{t=k}^{n-1} (x_t - \bar x)(x_{t-k} - \bar x)$$ the biased form, whose
    !> Toeplitz matrix is positive definite. With missing samples the mean is that of the present
    !> ones and $$r_k = \frac{n-k}{n}\,\frac{1}{m_k}\sum (x_t - \bar x)(x_{t-k} - \bar x)$$ over the
-   !> m_k pairs that are present, 0 where there is none; positive definiteness is then not
-   !> guaranteed. Source: Brockwell & Davis, Time Series: Theory and Methods (1991), 7.2; Parzen
-   !> (1963) for gaps.
+   !> m_k pairs that are present, 0 where there is none; not always positive definite. Source:
+   !> Brockwell & Davis, Time Series: Theory and Methods (1991), 7.2; Parzen (1963) for gaps.
    subroutine compute_autocovariance(x, max_lag, mean, r, error, valid, pairs, progress)
       !> Series: [n], any unit u, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -120,9 +118,8 @@ contains
       end if
    end subroutine check_series
 
-   !> Mean of the present samples as the sum of two numbers, the first present sample and the mean
-   !> distance from it. Subtracting both in turn keeps the digits that their sum would round off
-   !> where the series has a large offset.
+   !> Mean of the present samples as the sum of two numbers, the first present one and the mean
+   !> distance from it: subtracting both in turn keeps the digits of a series with a large offset.
    subroutine find_level(x, level, count, error, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
@@ -142,10 +139,9 @@ contains
       call sum_chunks(sums, x, size(x, kind=int64), "mean", total, error, valid)
       count = nint(total(2), int64)
       if (allocated(error)) return
-      if (count < 1) then
-         call fatal_error(error, status%too_few_samples, "every sample of the series is missing")
-         return
-      end if
+      if (count < 1) call fatal_error(error, status%too_few_samples, &
+         & "every sample of the series is missing")
+      if (allocated(error)) return
       level%remainder = total(1)/total(2)
       if (.not. ieee_is_finite(level%legendre(0) + level%remainder)) call fatal_error(error, &
          & status%non_finite, "the series has a value that is not finite")
@@ -221,10 +217,8 @@ contains
       call check_series(n, shared%max_lag, error, valid)
       if (allocated(error)) return
       allocate (total(2*(shared%max_lag + 1)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the lagged sums")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the lagged sums")
+      if (allocated(error)) return
       call set_level(sums%level, shared%mean, shared%remainder)
       call sum_chunks(sums, x, n, "autocovariances", total, error, valid, progress)
       if (.not. allocated(error)) call close_autocovariance(shared, n, total)

@@ -23,7 +23,7 @@ contains
    !> \sqrt{-D(s)}} ds$$ where s_1 < s_2 < ... are the zeros of D: sin(s)/s for the first level, 12
    !> (2 - 2 cos s - s sin s)/s^4 for the second. Absolute error below 1e-14, relative error below
    !> 1e-12. Sources: Anderson & Darling, Ann. Math. Stat. 23 (1952) 193-212; MacNeill, Ann. Stat. 6
-   !> (1978) 422-433, for the second level.
+   !> (1978) 422-433.
    pure real(dp) function bridge_survival(x, level) result(p)
       !> Any value; p is 1 for x <= 0
       real(dp), intent(in) :: x
@@ -45,8 +45,7 @@ contains
       p = min(max(p, 0.0_dp), 1.0_dp)
    end function bridge_survival
 
-   !> The integral between zeros 2k-1 and 2k, with s = middle + half cos(angle): the roots at both
-   !> ends go into the angle.
+   !> The integral between zeros 2k-1 and 2k, with s = middle + half cos(angle).
    pure real(dp) function integral(x, level, k) result(total)
       real(dp), intent(in) :: x
       integer, intent(in) :: level, k
@@ -84,8 +83,7 @@ contains
       end if
    end function determinant
 
-   !> Zero of tan(s/2) = s/2 between 2 pi k and 2 pi k + pi, by Newton's method on sin(u) - u
-   !> cos(u), u = s/2.
+   !> Zero of tan(u) = u, u = s/2, next to 2 pi k, by Newton's method on sin(u) - u cos(u).
    pure real(dp) function second_zero(k) result(s)
       integer, intent(in) :: k
       real(dp) :: u

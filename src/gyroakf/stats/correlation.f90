@@ -101,10 +101,9 @@ contains
       h = ubound(r, 1)
       allocate (result%acf(0:h), result%pacf(0:h), result%pairs(0:h), result%limit(0:h), &
          & result%bartlett(0:h), result%ljung_box(0:h), result%ljung_box_p(0:h), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the correlation at every lag")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the correlation at every lag")
+      if (allocated(error)) return
       result%lags = h
       result%samples = n
       result%fitted = fitted
@@ -151,8 +150,7 @@ contains
       end do
    end subroutine set_limits_and_tests
 
-   !> Reflection coefficients of Levinson's recursion; memory O(h), which [[solve_levinson]] with
-   !> its table of all models has not.
+   !> Reflection coefficients of Levinson's recursion ([[solve_levinson]]) in memory O(h).
    pure subroutine partial_autocorrelation(rho, pacf, known, stat)
       real(dp), intent(in), contiguous :: rho(0:)
       real(dp), intent(out), contiguous :: pacf(0:)

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Fisher's test for a hidden periodicity: the largest ordinate of the periodogram against the sum
-!> of all.
+!> Fisher's test for a hidden periodicity: the periodogram's largest ordinate over their sum.
 !>
 !> The null hypothesis is white noise: a series with correlation is whitened first
 !> ([[gyroakf_ar_periodicity]]), or the test finds its correlation.
@@ -45,9 +44,8 @@ contains
    !> $$g = \max_k I_k / \sum_{k=1}^{m} I_k, \quad I_k = |\sum_t (x_t - \bar x) e^{-2\pi i kt/n}|^2,
    !> \quad m = \lfloor (n-1)/2 \rfloor$$ at the exact length n, without zero padding, without
    !> frequency 0 and the highest. With missing samples the sums go over the present ones: the
-   !> ordinates of white noise are then as large everywhere but a little correlated, and p is
-   !> approximate. Source: R. A. Fisher, Tests of significance in harmonic analysis, Proc. R. Soc. A
-   !> 125 (1929) 54-59.
+   !> ordinates of white noise are then a little correlated, and p is approximate. Source: R. A.
+   !> Fisher, Tests of significance in harmonic analysis, Proc. R. Soc. A 125 (1929) 54-59.
    subroutine test_fisher_g(x, result, error, valid, progress)
       !> Series: [n], n >= 3; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -69,10 +67,9 @@ contains
       call centre_and_scale(x, centred, error, valid, progress)
       if (allocated(error)) return
       allocate (spectrum(0:n/2), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the spectrum of the series")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the spectrum of the series")
+      if (allocated(error)) return
       call new_real_fft_plan(plan, n, error, progress)
       if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error, progress)
       if (.not. allocated(error)) call report_progress("Fourier transform", n, n, error, progress)
@@ -105,10 +102,8 @@ contains
          return
       end if
       allocate (centred(0:n - 1), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a copy of the series")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a copy of the series")
+      if (allocated(error)) return
       size_of_all = exponent(max(abs(lowest), abs(highest)))
       lowest = scale(lowest, -size_of_all)
       power = exponent(scale(highest, -size_of_all) - lowest)
@@ -160,11 +155,9 @@ contains
          end if
       end do
       total = rest + largest
-      if (.not. total > 0.0_dp) then
-         call fatal_error(error, status%constant_input, &
-            & "the series has no power between frequency 0 and the highest")
-         return
-      end if
+      if (.not. total > 0.0_dp) call fatal_error(error, status%constant_input, &
+         & "the series has no power between frequency 0 and the highest")
+      if (allocated(error)) return
       result%statistic = largest/total
       power = 0.0_dp
       k = result%ordinate
@@ -186,8 +179,7 @@ contains
    !>
    !> $$p = \sum_{j=1}^{\lfloor 1/g \rfloor} (-1)^{j-1} \binom{m}{j} (1 - jg)^{m-1},$$ by the ratio
    !> of successive terms; where the first term, the expected number of larger ordinates, is above
-   !> 17, p is 1 - exp(-that), right to 1e-7. Else the error relative to p is that of rounding g,
-   !> about m g/(1 - g) epsilon.
+   !> 17, p is 1 - exp(-that), right to 1e-7. Else the relative error is about m g/(1 - g) epsilon.
    pure subroutine fisher_tail(g, rest, m, p, log_p)
       !> Share of the largest ordinate, 1/m .. 1, and 1 - g, given apart to keep its digits
       real(dp), intent(in) :: g, rest

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Gram matrix of a regression on lags from one pass over the series: of a Dickey-Fuller regression,
-!> or of an AR model by least squares.
+!> Gram matrix of a regression on lags (Dickey-Fuller, AR by least squares) from one pass.
 !>
 !> The regression of d_t = y_t - y_(t-1) on powers of the time, the level y_(t-1) and d_(t-1) ..
 !> d_(t-p) (AR: of d_t = y_t on a constant and d_(t-1) .. d_(t-p)) needs (p + 4)^2/2 sums over the
@@ -180,8 +179,7 @@ contains
       type(trend_type), intent(in) :: trend
       !> Its matrix gets the corrections of sum d_(t-i) d_(t-j), in the place of lag i+1, j+1
       type(gram_type), intent(inout) :: gram
-      !> Columns: sum d_t d_(t-j), y_(t-1) d_(t-j), time^k d_(t-j), k = 0 .. 2; j = 0 known in all:
-      !> [0:lags, 0:4]
+      !> sum d_t d_(t-j), y_(t-1) d_(t-j), time^k d_(t-j), k = 0 .. 2; j = 0 known: [0:lags, 0:4]
       real(dp), intent(inout) :: first_row(0:, 0:)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The pass over the series that a regression on lags takes: every sum over its rows that touches
-!> the data.
+!> The pass over the series of a regression on lags: every sum that touches the data.
 !>
 !> The rows of a Dickey-Fuller regression hold differences of the series, and its level before;
 !> those of an AR regression the series itself. On the way the pass makes the autocovariances that
@@ -12,8 +11,7 @@ module gyroakf_stats_lagged_rows
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_trend, only : trend_type, set_level
-   use gyroakf_stats_residual_block, only : detrended_block
-   use gyroakf_stats_lagged_products, only : add_lagged_products
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block
    use gyroakf_stats_autocovariance, only : autocovariance_type, add_lag_block, close_autocovariance
    implicit none (type, external)
    private
@@ -49,8 +47,7 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
       type(trend_type), intent(in) :: trend
-      !> Powers of the time, 0 .. 3; lags; past samples that a row takes: lags + 1 for differences,
-      !> lags for the series itself
+      !> Powers of the time, 0 .. 3; lags; past samples of a row: lags, + 1 for differences
       integer, intent(in) :: terms, lags, reach
       !> sum d_t d_(t-j), d the difference or the series itself: [0:lags]; the other sums, by place
       real(dp), intent(out) :: lagged(0:), other(sums)
@@ -79,10 +76,9 @@ contains
          end if
       end if
       allocate (total(lags + 1 + sums + 2*(pass%max_lag + 1)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums of a regression on lags")
+      if (allocated(error)) return
       call sum_chunks(pass, x, n, trim(merge("unit-root test      ", "rows of the AR model", &
          & reach > lags)), total, error, valid, progress)
       if (allocated(error)) return

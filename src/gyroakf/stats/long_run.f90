@@ -7,8 +7,7 @@ module gyroakf_stats_long_run
    use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_progress, only : progress_type
-   use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_residual_block, only : detrended_block
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block
    use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
@@ -63,10 +62,9 @@ contains
       integer :: chunk, stat
 
       allocate (products(0:q), pass%part(chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums over residuals")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums over residuals")
+      if (allocated(error)) return
       pass%trend = trend
       call sum_chunks(pass, x, size(x, kind=int64), "sums of the residuals", products, error, &
          & valid, progress)

@@ -46,22 +46,6 @@ contains
       !> too_few_samples (fewer than 2), constant_input, non_finite
       type(error_type), allocatable, intent(out) :: error
 
-      call check_moments(moments, error)
-      if (allocated(error)) return
-      result%skewness = moments%skewness
-      result%kurtosis = moments%kurtosis
-      result%skewness_error = skewness_error(moments%count)
-      result%kurtosis_error = kurtosis_error(moments%count)
-      result%statistic = real(moments%count, dp)/6.0_dp &
-         & *(moments%skewness**2 + 0.25_dp*(moments%kurtosis - 3.0_dp)**2)
-      result%p_value = exp(-0.5_dp*result%statistic)
-   end subroutine test_jarque_bera
-
-   !> Refuses moments that cannot be tested.
-   subroutine check_moments(moments, error)
-      type(moments_type), intent(in) :: moments
-      type(error_type), allocatable, intent(out) :: error
-
       if (moments%count < 2) then
          call fatal_error(error, status%too_few_samples, &
             & "the Jarque-Bera test needs at least 2 samples")
@@ -72,7 +56,15 @@ contains
          call fatal_error(error, status%constant_input, &
             & "the series has no variance, normality cannot be tested")
       end if
-   end subroutine check_moments
+      if (allocated(error)) return
+      result%skewness = moments%skewness
+      result%kurtosis = moments%kurtosis
+      result%skewness_error = skewness_error(moments%count)
+      result%kurtosis_error = kurtosis_error(moments%count)
+      result%statistic = real(moments%count, dp)/6.0_dp &
+         & *(moments%skewness**2 + 0.25_dp*(moments%kurtosis - 3.0_dp)**2)
+      result%p_value = exp(-0.5_dp*result%statistic)
+   end subroutine test_jarque_bera
 
    !> Standard deviation of the skewness of n independent normal samples.
    !>

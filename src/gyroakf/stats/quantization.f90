@@ -40,9 +40,8 @@ contains
    !>
    !> The smallest non-zero difference of neighbors is tried: the distance of the extremes makes it
    !> exact, then every sample has to stand on the grid. A series whose neighbors never differ by a
-   !> single step, or of which some samples were interpolated, is not recognised; its step does not
-   !> matter, or is no step of the series. Source of the correction: Sheppard, Proc. London Math.
-   !> Soc. 29 (1898) 353-380.
+   !> single step, or of which some samples were interpolated, is not recognised. Source of
+   !> the correction: Sheppard, Proc. London Math. Soc. 29 (1898) 353-380.
    subroutine find_quantisation(x, std, result, error, valid)
       !> Series as it was recorded, before a trend is removed: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -56,11 +55,9 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       real(dp) :: step, largest, low, high, steps
 
-      if (.not. std >= 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, &
-            & "the standard deviation to compare a step with is negative")
-         return
-      end if
+      if (.not. std >= 0.0_dp) call fatal_error(error, status%invalid_argument, &
+         & "the standard deviation to compare a step with is negative")
+      if (allocated(error)) return
       call scan_extremes(x, low, high, step, valid)
       largest = max(abs(low), abs(high))
       if (step <= 64.0_dp*epsilon(step)*largest) return
@@ -112,10 +109,9 @@ contains
          !$omp end critical (gyroakf_quantisation_levels)
          !$omp end parallel
       end if
-      if (bad + stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the levels of the series")
-         return
-      end if
+      if (bad + stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the levels of the series")
+      if (allocated(error)) return
       result%quantised = fits
       if (fits .and. counted > 0) result%levels = count(seen /= 0_int8, kind=int64)
    end subroutine check_grid

@@ -45,8 +45,7 @@ contains
    !> Least-squares polynomial of the present samples.
    !>
    !> Minimises $$\sum_i (x_i - \sum_{k \le d} c_k q_k(t_i))^2$$ by Cholesky factorisation of the
-   !> normal equations (LAPACK dpotrf), then again on the residuals. Relative error about 1e-14 of
-   !> the polynomial.
+   !> normal equations (LAPACK dpotrf), then again on the residuals. Relative error 1e-14.
    subroutine fit_trend(x, degree, trend, error, valid, progress)
       !> Series: [n], any unit u, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -83,10 +82,9 @@ contains
          if (allocated(error)) return
          total = total/real(basis%samples, dp)
          step = total(:degree + 1)
-         if (.not. all(ieee_is_finite(step))) then
-            call fatal_error(error, status%non_finite, "the series has a value that is not finite")
-            return
-         end if
+         if (.not. all(ieee_is_finite(step))) call fatal_error(error, status%non_finite, &
+            & "the series has a value that is not finite")
+         if (allocated(error)) return
          if (pass == 1) then
             factor(:, :) = reshape(total(degree + 2:), shape(factor))
             if (.not. projection%wanted) then       ! the unit matrix less the sum over the missing
@@ -102,11 +100,9 @@ contains
          call dpotrs("U", degree + 1, 1, factor, degree + 1, step, degree + 1, info)
          projection%c(:degree) = projection%c(:degree) + step
       end do
-      if (info /= 0) then
-         call fatal_error(error, status%singular, &
-            & "the gaps leave the trend undetermined; a lower degree may do")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%singular, &
+         & "the gaps leave the trend undetermined; a lower degree may do")
+      if (allocated(error)) return
       trend%degree = degree
       call convert(basis, projection%c, projection%shift, trend)
    end subroutine fit_trend
@@ -133,11 +129,9 @@ contains
       last = n - 1
       found = n
       if (present(valid)) then
-         if (size(valid, kind=int64) /= n) then
-            call fatal_error(error, status%invalid_argument, &
-               & "the mask and the series differ in length")
-            return
-         end if
+         if (size(valid, kind=int64) /= n) call fatal_error(error, status%invalid_argument, &
+            & "the mask and the series differ in length")
+         if (allocated(error)) return
          found = count(valid /= 0_int8, kind=int64)
          do while (found > 0)
             if (valid(basis%first + 1) /= 0_int8) exit
@@ -247,8 +241,7 @@ contains
    !> States a polynomial of the basis in Legendre polynomials over the record and in powers.
    subroutine convert(basis, c, shift, trend)
       type(basis_type), intent(in) :: basis
-      real(dp), intent(in) :: c(0:)
-      real(dp), intent(in) :: shift
+      real(dp), intent(in) :: c(0:), shift
       type(trend_type), intent(inout) :: trend
       real(dp) :: q(0:largest_degree + 1, -1:largest_degree), alpha, beta
       integer :: k, d

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Power spectral density by Welch's method: the mean of the periodograms of windowed segments that
-!> overlap.
+!> Power spectral density by Welch's method: mean periodogram of overlapping segments.
 !>
 !>     call welch_spectrum(x, dt, welch_options(), spectrum, error)
 !>     ! spectrum%density(k) at spectrum%frequency(k), two-sided, unit^2/Hz for dt in s
@@ -44,11 +43,9 @@ module gyroakf_stats_welch
    type :: welch_type
       !> 0 .. half the sample rate: [L/2 + 1] for segments of L samples
       real(dp), allocatable :: frequency(:)
-      !> Two-sided density and its limits, u^2/Hz; its integral from minus to plus half the sample
-      !> rate is the variance
+      !> Two-sided density and its limits, u^2/Hz; its integral is the variance
       real(dp), allocatable :: density(:), lower(:), upper(:)
-      !> One-sided density: twice the two-sided one but at 0 and at half the sample rate; its
-      !> integral from 0 is the variance
+      !> One-sided density: twice the two-sided one but at 0 and at half the sample rate
       real(dp), allocatable :: one_sided(:)
       !> Degrees of freedom of each density
       real(dp), allocatable :: edf(:)
@@ -107,24 +104,21 @@ contains
       part%min_coverage = options%min_coverage
       allocate (part%window(0:part%length - 1), spectrum%density(0:part%length/2), &
          & share(spectrum%segments), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the segments of the spectrum")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the segments of the spectrum")
+      if (allocated(error)) return
       call report_progress("spectrum", 0_int64, spectrum%segments, error, progress)
       if (allocated(error)) return
       call make_window(trim(options%window), part%window, error, progress)
-      if (allocated(error)) return
-      call new_real_fft_plan(plan, part%length, error, progress)
+      if (.not. allocated(error)) call new_real_fft_plan(plan, part%length, error, progress)
       if (allocated(error)) return
       spectrum%density = 0.0_dp
       call add_all(x, part, plan, spectrum%density, share, error, valid, progress)
       if (allocated(error)) return
       spectrum%used = count(share > 0.0_dp, kind=int64)
       if (spectrum%used == 0) then
-         call fatal_error(error, status%too_few_samples, &
-            & "too much is missing in every segment of the spectrum: "// &
-                          "take shorter segments, or a smaller share that must be present")
+         call fatal_error(error, status%too_few_samples, "too much is missing in every segment " &
+            & //"of the spectrum: take shorter segments, or a smaller share that must be present")
          return
       end if
       call report_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
@@ -173,8 +167,7 @@ contains
       spectrum%window = options%window
    end subroutine lay_out
 
-   !> Samples of a segment where none are given: the largest power of two of which 8 fit, at most
-   !> 16384, at least 2.
+   !> Default samples of a segment: the largest power of two that fits 8 times, 2 .. 16384.
    !>
    !> With half overlap that is the mean of 15 segments or more (about 28 degrees of freedom, a
    !> density within 27 % either way); a long record gets more of them, not narrower ones.
@@ -193,7 +186,7 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       type(segment_type), intent(in) :: part
       type(real_fft_plan_type), intent(in) :: plan
-      real(dp), intent(inout) :: density(0:)
+      real(dp), intent(inout), contiguous :: density(0:)
       real(dp), intent(out) :: share(:)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
@@ -206,15 +199,11 @@ contains
       segments = size(share, kind=int64)
       parts = min(most_parts, segments, max(4_int64, 1048576_int64/part%length))
       allocate (sums(0:part%length/2, parts), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the segments of the spectrum")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the segments of the spectrum")
+      if (allocated(error)) return
       if (present(progress) .and. part%length > long_segment) then
-         sums(:, 1) = 0.0_dp
-         call add_segments(x, part, plan, 1_int64, segments, sums(:, 1), share, error, valid, &
-            & progress)
-         density = sums(:, 1)
+         call add_segments(x, part, plan, 1_int64, segments, density, share, error, valid, progress)
          return
       end if
       group = max(report_samples/part%length, 1_int64)

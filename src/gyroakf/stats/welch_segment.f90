@@ -83,10 +83,9 @@ contains
 
       share = 0.0_dp
       allocate (segment(0:part%length - 1), spectrum(0:part%length/2), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a segment of the spectrum")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for a segment of the spectrum")
+      if (allocated(error)) return
       energy = sum(part%window**2)
       do i = from, to
          first = (i - 1)*part%step + 1
