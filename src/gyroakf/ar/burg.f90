@@ -80,9 +80,11 @@ contains
       integer :: m, chunk, stat
 
       n = size(x, kind=int64)
-      allocate (burg%phi(order, order), burg%reflection(order), burg%variance(0:order), &
-         & burg%residual_variance(0:order), burg%rows(0:order), burg%r(0:order), lattice%f(n), &
-         & lattice%b(n), stat=stat)
+      allocate (burg%reflection(order), burg%variance(0:order), burg%residual_variance(0:order), &
+         & burg%rows(0:order), burg%r(0:order))
+      allocate (burg%phi(order, order), stat=stat)
+      if (stat == 0) allocate (lattice%f(n), stat=stat)
+      if (stat == 0) allocate (lattice%b(n), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the residuals of Burg's recursion, 16 bytes a sample")
       if (allocated(error)) return

@@ -87,7 +87,8 @@ contains
       integer :: j, p, stat
 
       p = gram%lags
-      allocate (a(p + 1, p + 1), scale(p + 1), stat=stat)
+      allocate (a(p + 1, p + 1), stat=stat)
+      if (stat == 0) allocate (scale(p + 1), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the normal equations of an AR model")
       if (allocated(error)) return
@@ -194,7 +195,8 @@ contains
       integer :: m, p
 
       p = size(self%phi)
-      allocate (y(1 - p:block_length), here(1 - p:block_length), stat=stat)
+      allocate (y(1 - p:block_length), stat=stat)
+      if (stat == 0) allocate (here(1 - p:block_length), stat=stat)
       do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
          m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
          if (stat == 0) call residual_block(x, self%level, self%phi, self%constant, begin, e(:m), &

@@ -31,7 +31,8 @@ contains
       integer :: p, m, j, stat
 
       p = ubound(r, 1)
-      allocate (variance(0:p), phi(p, p), stat=stat)
+      allocate (variance(0:p), stat=stat)
+      if (stat == 0) allocate (phi(p, p), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the AR coefficients of every order")
       if (allocated(error)) return

@@ -85,8 +85,8 @@ contains
       model%variance = r(0)
       constant = 0.0_dp
       if (options%method /= "ols") call check_length(model%samples, most, "samples", error)
-      if (options%method /= "yw" .and. .not. allocated(error)) &
-         & call find_level(x, level, model%samples, error, valid)
+      if (allocated(error)) return
+      if (options%method /= "yw") call find_level(x, level, model%samples, error, valid)
       if (allocated(error)) return
       select case (options%method)
       case ("yw")
@@ -237,7 +237,8 @@ contains
       integer :: i, j, p, info
 
       p = model%order
-      allocate (model%std_error(p), a(p, p), stat=info)
+      allocate (model%std_error(p))
+      allocate (a(p, p), stat=info)
       if (info /= 0) call fatal_error(error, status%no_memory, "no memory for the standard errors")
       if (allocated(error)) return
       do j = 1, p

@@ -202,7 +202,8 @@ contains
       if (count_white < 1) call fatal_error(error, status%too_few_samples, &
          & "the series is not longer than the order of its AR model")
       if (allocated(error)) return
-      allocate (white(count_white), flag(reported), stat=stat)
+      allocate (white(count_white), stat=stat)
+      if (stat == 0) allocate (flag(reported), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (here(count_white), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the residuals")
       if (allocated(error)) return

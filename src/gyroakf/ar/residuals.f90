@@ -67,8 +67,11 @@ contains
             & "the series has too few residuals for so many lags")
          return
       end if
-      allocate (r(0:max_lag), pairs(0:max_lag), s(0:max_lag, 4), total(4*(max_lag + 1)), &
-         & sums%part(chunk_count(size(x, kind=int64))), stat=stat)
+      allocate (r(0:max_lag), stat=stat)
+      if (stat == 0) allocate (pairs(0:max_lag), stat=stat)
+      if (stat == 0) allocate (s(0:max_lag, 4), stat=stat)
+      if (stat == 0) allocate (total(4*(max_lag + 1)), stat=stat)
+      if (stat == 0) allocate (sums%part(chunk_count(size(x, kind=int64))), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the sums of the residuals")
       if (allocated(error)) return
@@ -109,7 +112,8 @@ contains
       integer :: m, lags
 
       lags = size(total)/4 - 1
-      allocate (e(1 - lags:block_length), flag(1 - lags:block_length), stat=stat)
+      allocate (e(1 - lags:block_length), stat=stat)
+      if (stat == 0) allocate (flag(1 - lags:block_length), stat=stat)
       do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
          m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
          if (stat == 0) call residual_block(x, self%level, self%phi, self%constant, begin - lags, &

@@ -49,7 +49,8 @@ contains
       if (.not. all(ieee_is_finite(phi))) call fatal_error(error, status%non_finite, &
          & "an AR coefficient is not finite")
       if (allocated(error)) return
-      allocate (h(p, p), root(p), stat=stat)
+      allocate (h(p, p), stat=stat)
+      if (stat == 0) allocate (root(p), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the roots of the AR model")
       if (allocated(error)) return

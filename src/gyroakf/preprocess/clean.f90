@@ -60,8 +60,8 @@ contains
       call check_options(x, options, found, error, valid)
       if (allocated(error)) return
       allocate (cleaned(size(x, kind=int64)), stat=stat)
-      if (stat == 0 .and. (present(valid) .or. options%method /= "none")) &
-         & allocate (present_out(size(x, kind=int64)), stat=stat)
+      if (stat == 0 .and. (present(valid) .or. options%method /= "none")) allocate ( &
+         & present_out(size(x, kind=int64)), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the cleaned series")
       if (allocated(error)) return
       if (allocated(present_out)) present_out = 1_int8
@@ -69,8 +69,8 @@ contains
       result%method = options%method
       if (options%method == "hampel") result%half_width = options%half_width
       if (options%method /= "none") result%threshold = options%threshold
-      if (.not. options%threshold > 0.0_dp) &
-         & result%threshold = default_threshold(trim(options%method), found)
+      if (.not. options%threshold > 0.0_dp) result%threshold = default_threshold( &
+         & trim(options%method), found)
       select case (options%method)
       case ("none")
          call detrend(x, options%degree, cleaned, result%trend, error, valid, progress)

@@ -58,7 +58,9 @@ contains
       blocks = (n + block_size - 1)/block_size
       used = z
       parts = merge(thread_count(), 1, n >= threads_from)
-      allocate (loud(blocks), peak(blocks), counts(0:classes, parts), stat=stat)
+      allocate (loud(blocks), stat=stat)
+      if (stat == 0) allocate (peak(blocks), stat=stat)
+      if (stat == 0) allocate (counts(0:classes, parts), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the search for outliers")
       if (allocated(error)) return
@@ -149,8 +151,8 @@ contains
          & "no memory for the loudness of the blocks")
       if (allocated(error)) return
       known(:) = merge(1_int8, 0_int8, loud >= 0.0_dp)
-      if (count(known == 1_int8, kind=int64) >= min_blocks) &
-         & call find_median(loud, typical, error, known)
+      if (count(known == 1_int8, kind=int64) >= min_blocks) call find_median(loud, typical, error, &
+         & known)
       if (allocated(error)) return
       before = 0.0_dp
       do k = 1, blocks

@@ -281,8 +281,8 @@ contains
       most = wanted
       do while (least < most)
          taken = (least + most)/2
-         if (median - window%value(lower - taken) < window%value(lower + wanted - taken) - median) &
-            & then
+         if (median - window%value(lower - taken) &
+            & < window%value(lower + wanted - taken) - median) then
             least = taken + 1
          else
             most = taken
@@ -295,8 +295,8 @@ contains
       if (mod(window%count, 2) == 1) return
       next = huge(next)
       if (least < lower) next = median - window%value(lower - least)
-      if (wanted - least < window%count - lower) &
-         & next = min(next, window%value(lower + wanted - least + 1) - median)
+      if (wanted - least < window%count - lower) next = min(next, &
+         & window%value(lower + wanted - least + 1) - median)
       window_deviation = 0.5_dp*window_deviation + 0.5_dp*next
    end function window_deviation
 

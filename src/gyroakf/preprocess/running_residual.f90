@@ -191,13 +191,13 @@ contains
       integer :: j, stat, bad
 
       number = size(x, kind=int64)/window
-      allocate (median(number), known(number), stat=stat)
+      allocate (median(number), stat=stat)
+      if (stat == 0) allocate (known(number), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the search for motion")
       if (allocated(error)) return
       !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) &
-      !$omp& private(y, there, medians, j, bad) &
-      !$omp& schedule(static) reduction(+:stat)
+      !$omp& private(y, there, medians, j, bad) schedule(static) reduction(+:stat)
       do k = 0, number - 1, block_size
          bad = 0
          if (.not. allocated(y)) allocate (y(window*block_size), stat=bad)

@@ -249,9 +249,7 @@ contains
       real(dp) :: scale(size(gram%matrix, 1))
       integer :: order(size(scale)), i
 
-      do i = 1, size(order)
-         order(i) = i
-      end do
+      order = [(i, i=1, size(order))]
       call factor_regression(x, trend, gram, order, rounding, r, scale, error, valid, progress)
       if (.not. allocated(error)) call pick_lag(r, gram%terms, gram%lags, gram%rows, &
          & trim(result%criterion), scale(size(scale)), result%lag, result%criterion_value)
@@ -273,11 +271,7 @@ contains
       integer :: order(size(scale)), i, k
 
       k = size(order)
-      do i = 1, k
-         order(i) = i
-         if (i > gram%terms .and. i < k - 1) order(i) = i + 1
-      end do
-      order(k - 1) = gram%terms + 1
+      order = [(i, i=1, gram%terms), (i + 1, i=gram%terms + 1, k - 2), gram%terms + 1, k]
       call factor_regression(x, trend, gram, order, rounding, r, scale, error, valid, progress)
       if (allocated(error)) return
       freedom = real(gram%rows, dp) - real(k - 1, dp)

@@ -262,7 +262,8 @@ contains
 
       lags = size(total)/2 - 1
       m = int(last - first) + 1
-      allocate (y(1 - lags:m), here(1 - lags:m), stat=stat)
+      allocate (y(1 - lags:m), stat=stat)
+      if (stat == 0) allocate (here(1 - lags:m), stat=stat)
       if (stat /= 0) return
       call detrended_block(x, level, first - lags, y, here, valid)
       call add_lagged_products(y(1:), y, m, lags, total(:lags + 1))

@@ -99,8 +99,13 @@ contains
       call ljung_box_of(r, n, fitted, whole, error, pairs)
       if (allocated(error)) return
       h = ubound(r, 1)
-      allocate (result%acf(0:h), result%pacf(0:h), result%pairs(0:h), result%limit(0:h), &
-         & result%bartlett(0:h), result%ljung_box(0:h), result%ljung_box_p(0:h), stat=stat)
+      allocate (result%acf(0:h), stat=stat)
+      if (stat == 0) allocate (result%pacf(0:h), stat=stat)
+      if (stat == 0) allocate (result%pairs(0:h), stat=stat)
+      if (stat == 0) allocate (result%limit(0:h), stat=stat)
+      if (stat == 0) allocate (result%bartlett(0:h), stat=stat)
+      if (stat == 0) allocate (result%ljung_box(0:h), stat=stat)
+      if (stat == 0) allocate (result%ljung_box_p(0:h), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the correlation at every lag")
       if (allocated(error)) return

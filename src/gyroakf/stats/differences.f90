@@ -20,6 +20,7 @@ contains
       integer(int64) :: n, blocks, b, first, last
       integer(int64), allocatable :: pairs(:)
       real(dp), allocatable :: sums(:), squares(:)
+      real(dp) :: count
 
       variance = 0.0_dp
       n = size(x, kind=int64)
@@ -37,9 +38,8 @@ contains
             call sum_block(x(first:last), pairs(b), sums(b), squares(b))
          end if
       end do
-      if (sum(pairs) < 2) return
-      variance = max(0.0_dp, sum(squares) - sum(sums)**2/real(sum(pairs), dp))/real(sum(pairs) &
-         & - 1, dp)
+      count = real(sum(pairs), dp)
+      if (count > 1.5_dp) variance = max(0.0_dp, sum(squares) - sum(sums)**2/count)/(count - 1.0_dp)
    end function difference_variance
 
    !> Sums over the pairs of one block.

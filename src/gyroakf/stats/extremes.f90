@@ -70,8 +70,7 @@ contains
       high = -huge(high)
       step = huge(step)
       !$omp parallel do schedule(static) private(first, last) reduction(min:low, step) &
-      !$omp& reduction(max:high) &
-      !$omp& if (n > worth_threads)
+      !$omp& reduction(max:high) if (n > worth_threads)
       do k = 0, blocks - 1
          first = max(1_int64, k*block_values)
          last = min(n, (k + 1)*block_values)

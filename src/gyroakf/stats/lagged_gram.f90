@@ -197,13 +197,13 @@ contains
       stretch = 0
       do
          stretch = stretch + 1
-         if (mod(stretch, report_stretches) == 0) &
-            & call report_progress(trim(stage), finish, n, error, progress)
+         if (mod(stretch, report_stretches) == 0) call report_progress(trim(stage), finish, n, &
+            & error, progress)
          if (allocated(error)) return
          call next_run(n, begin, finish, valid)
          if (begin >= n) exit
-         if (finish - begin >= gram%lags + gram%levels) &
-            & call add_ends(x, trend, begin, finish, edge, gram)
+         if (finish - begin >= gram%lags + gram%levels) call add_ends(x, trend, begin, finish, &
+            & edge, gram)
       end do
       do j = 0, gram%lags - 1
          first_row(j + 1, 1) = first_row(j, 1) + first_row(j, 0) + edge(j, 1)

@@ -106,7 +106,8 @@ contains
 
       m = size(e)
       p = size(phi)
-      allocate (y(1 - p:m), here(1 - p:m), stat=stat)
+      allocate (y(1 - p:m), stat=stat)
+      if (stat == 0) allocate (here(1 - p:m), stat=stat)
       if (stat /= 0) return
       call detrended_block(x, trend, first - p, y, here, valid)
       e(:) = y(1:m) - constant

@@ -36,7 +36,7 @@ module gyroakf_stats_lagged_rows
       !> Series less trend and its presence: [-lags:length]; differences: [1-lags:length]
       real(dp), allocatable :: y(:), here(:), d(:)
       !> Difference, level before it and weight (1 or 0) of every row: [length]
-      real(dp), allocatable :: a(:), level(:), weight(:)
+      real(dp), dimension(block_length) :: a, level, weight
    end type block_type
 
 contains
@@ -102,8 +102,9 @@ contains
 
       others = self%lags + 2
       m = int(block_length)
-      allocate (b%y(-self%lags:m), b%here(-self%lags:m), b%d(1 - self%lags:m), b%a(m), b%level(m), &
-         & b%weight(m), stat=stat)
+      allocate (b%y(-self%lags:m), stat=stat)
+      if (stat == 0) allocate (b%here(-self%lags:m), stat=stat)
+      if (stat == 0) allocate (b%d(1 - self%lags:m), stat=stat)
       do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
          if (stat /= 0) return
          m = int(min(block_length, chunk_last(n, chunk) - begin + 1))

@@ -61,7 +61,8 @@ contains
       type(product_sums_type) :: pass
       integer :: chunk, stat
 
-      allocate (products(0:q), pass%part(chunk_count(size(x, kind=int64))), stat=stat)
+      allocate (products(0:q), stat=stat)
+      if (stat == 0) allocate (pass%part(chunk_count(size(x, kind=int64))), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the sums over residuals")
       if (allocated(error)) return
@@ -88,7 +89,8 @@ contains
       integer :: i, m, q
 
       q = size(total) - 1
-      allocate (e(1 - q:block_length), flag(1 - q:block_length), stat=stat)
+      allocate (e(1 - q:block_length), stat=stat)
+      if (stat == 0) allocate (flag(1 - q:block_length), stat=stat)
       do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
          if (stat /= 0) return
          m = int(min(block_length, chunk_last(n, chunk) - begin + 1))

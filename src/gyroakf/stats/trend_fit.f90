@@ -243,8 +243,8 @@ contains
       type(basis_type), intent(in) :: basis
       real(dp), intent(in) :: c(0:), shift
       type(trend_type), intent(inout) :: trend
-      real(dp) :: q(0:largest_degree + 1, -1:largest_degree), alpha, beta
-      integer :: k, d
+      real(dp) :: q(0:largest_degree + 1, -1:largest_degree), r(0:largest_degree + 1), alpha, beta
+      integer :: j, k, d
 
       d = basis%degree
       q = 0.0_dp
@@ -253,8 +253,14 @@ contains
          alpha = real(trend%samples - 1, dp)/real(basis%samples - 1, dp)
          beta = real(trend%samples - basis%samples - 2*basis%first, dp)/real(basis%samples - 1, dp)
          do k = 1, d
-            q(:, k) = (alpha*times_argument(q(:, k - 1)) + beta*q(:, k - 1) &
-               & - basis%a(k - 1)*q(:, k - 2))/basis%a(k)
+            r = 0.0_dp                  ! t q(k-1), by t P_j = ((j+1) P_(j+1) + j P_(j-1))/(2j+1)
+            do j = 0, largest_degree
+               r(j + 1) = q(j, k - 1)*real(j + 1, dp)/real(2*j + 1, dp)
+            end do
+            do j = 1, largest_degree + 1
+               r(j - 1) = r(j - 1) + q(j, k - 1)*real(j, dp)/real(2*j + 1, dp)
+            end do
+            q(:, k) = (alpha*r + beta*q(:, k - 1) - basis%a(k - 1)*q(:, k - 2))/basis%a(k)
          end do
       end if
       allocate (trend%legendre(0:d), trend%power(0:d))
@@ -267,20 +273,5 @@ contains
       trend%remainder = (shift - trend%legendre(0)) + trend%remainder
       call set_powers(trend)
    end subroutine convert
-
-   !> Legendre coefficients of t p(t): t P_j = ((j+1) P_(j+1) + j P_(j-1))/(2j+1).
-   pure function times_argument(p) result(r)
-      real(dp), intent(in) :: p(0:)
-      real(dp) :: r(0:size(p) - 1)
-      integer :: j
-
-      r = 0.0_dp
-      do j = 0, size(p) - 2
-         r(j + 1) = p(j)*real(j + 1, dp)/real(2*j + 1, dp)
-      end do
-      do j = 1, size(p) - 1
-         r(j - 1) = r(j - 1) + p(j)*real(j, dp)/real(2*j + 1, dp)
-      end do
-   end function times_argument
 
 end module gyroakf_stats_trend_fit

@@ -102,8 +102,9 @@ contains
       part%step = spectrum%step
       part%detrend = options%detrend
       part%min_coverage = options%min_coverage
-      allocate (part%window(0:part%length - 1), spectrum%density(0:part%length/2), &
-         & share(spectrum%segments), stat=stat)
+      allocate (part%window(0:part%length - 1), stat=stat)
+      if (stat == 0) allocate (spectrum%density(0:part%length/2), stat=stat)
+      if (stat == 0) allocate (share(spectrum%segments), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for the segments of the spectrum")
       if (allocated(error)) return

@@ -82,7 +82,8 @@ contains
       integer :: stat
 
       share = 0.0_dp
-      allocate (segment(0:part%length - 1), spectrum(0:part%length/2), stat=stat)
+      allocate (segment(0:part%length - 1), stat=stat)
+      if (stat == 0) allocate (spectrum(0:part%length/2), stat=stat)
       if (stat /= 0) call fatal_error(error, status%no_memory, &
          & "no memory for a segment of the spectrum")
       if (allocated(error)) return
