@@ -24,7 +24,8 @@ module gyroakf
       paper_seed
    ! Cleaning: outliers, trend, quantization
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_stats_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
+   use gyroakf_stats_trend, only : trend_type, remove_trend, evaluate_trend
+   use gyroakf_stats_trend_fit, only : fit_trend
    use gyroakf_stats_quantization, only : quantisation_type, find_quantisation
    ! Allan deviation and its relatives, noise coefficients, change during the record
    use gyroakf_allan_grid, only : averaging_factors
@@ -49,8 +50,7 @@ module gyroakf
    use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use gyroakf_stats_correlation, only : correlation_type, compute_correlation
    ! AR models
-   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar, ar_spectrum
    ! Kalman filter and Sage-Husa adaptive Kalman filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
       run_filter, freeze_filter

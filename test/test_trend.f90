@@ -7,7 +7,8 @@ module test_trend
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_lapack, only : dgels
-   use gyroakf_stats_trend, only : trend_type, evaluate_trend, fit_trend, remove_trend
+   use gyroakf_stats_trend, only : trend_type, evaluate_trend, remove_trend
+   use gyroakf_stats_trend_fit, only : fit_trend
    use series_library, only : reference_series
    use testdrive, only : error_type, new_unittest, unittest_type
    implicit none (type, external)

@@ -6,7 +6,7 @@ module gyroakf_report_csv_tables
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : put, put_line, put_real, writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_ar_model, only : ar_spectrum
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names
    use gyroakf_report_csv, only : quoted
    implicit none (type, external)
