@@ -4,7 +4,7 @@
 module gyroakf_app_system
    use, intrinsic :: iso_c_binding, only : c_char, c_funptr, c_int, c_intptr_t, c_loc, c_null_funptr
    use gyroakf_kinds, only : int64
-   use gyroakf_io_system, only : c_write, write_all
+   use gyroakf_io_system, only : c_write, move_bytes
    use gyroakf_io_writer, only : writer_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
@@ -49,9 +49,10 @@ contains
       integer(c_int), intent(in) :: descriptor
       !> Any bytes
       character(*, kind=c_char), intent(in), target :: text
+      integer(int64) :: written
       logical :: failed
 
-      call write_all(descriptor, c_loc(text), len(text, int64), failed)
+      call move_bytes(descriptor, c_loc(text), len(text, int64), written, failed)
    end subroutine write_bytes
 
    !> SIG_IGN: the signal does nothing.

@@ -6,7 +6,7 @@
 module test_status
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status, status_text, status_texts
+   use gyroakf_error, only : gyro_error => error_type, status, status_texts
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    use gyroakf_filter_state_space, only : steady_state
@@ -53,10 +53,10 @@ contains
             if (allocated(error)) return
             cycle
          end if
-         call check(error, allocated(failure), "no error: "//status_text(code))
+         call check(error, allocated(failure), "no error: "//trim(status_texts(code)))
          if (allocated(error)) return
-         call check(error, failure%code, code, status_text(code)//": "//failure%message)
-         call check(error, len(failure%message) > 10, "a message: "//status_text(code))
+         call check(error, failure%code, code, trim(status_texts(code))//": "//failure%message)
+         call check(error, len(failure%message) > 10, "a message: "//trim(status_texts(code)))
       end do
    end subroutine test_every_code
 

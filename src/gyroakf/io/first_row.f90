@@ -5,7 +5,7 @@ module gyroakf_io_first_row
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
-   use gyroakf_io_date, only : is_day_first
+   use gyroakf_io_stamp_field, only : is_day_first
    use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type, map_row
    use gyroakf_io_labels, only : name_fields

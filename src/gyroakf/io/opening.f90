@@ -93,7 +93,12 @@ contains
       call spell_shape(header%shape(1), merge(header%shape(2), 0_int64, header%rank > 1), shape)
       call check_size(lines%source, header, shape, error)
       if (allocated(error)) return
-      call begin_numbers(lines%source%name, binary%columns, options, table, error)
+      if (allocated(header%field)) then
+         call move_alloc(header%field, binary%field)
+         call begin_numbers(lines%source%name, size(binary%field, kind=int64), options, table, error, header%names)
+      else
+         call begin_numbers(lines%source%name, binary%columns, options, table, error)
+      end if
       if (allocated(error)) return
       if (scan(header%element%kind, "iu") > 0) table%integer_bits = 8*header%element%bytes
       if (turned) call add_text(table%warnings, "the array's shape is "//shape// &

@@ -3,7 +3,8 @@
 module gyroakf_io_row
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
+   use gyroakf_io_date, only : scan_stamp, stamp_kind
+   use gyroakf_io_stamp_field, only : kind_of_field
    use gyroakf_io_commas, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_number, only : is_missing_field, number, scan_number

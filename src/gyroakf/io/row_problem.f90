@@ -2,7 +2,8 @@
 !> Messages about rows that cannot be read: what is wrong, and what to do.
 module gyroakf_io_row_problem
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_date, only : kind_of_field, stamp_kind
+   use gyroakf_io_date, only : stamp_kind
+   use gyroakf_io_stamp_field, only : kind_of_field
    use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_number, only : number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes

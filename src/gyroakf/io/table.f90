@@ -63,8 +63,8 @@ module gyroakf_io_table
 
 contains
 
-   !> Decides on the columns of a table without text: they have no names.
-   subroutine begin_numbers(name, columns, options, table, error)
+   !> Decides on the columns of a table without text.
+   subroutine begin_numbers(name, columns, options, table, error, names)
       !> Of the file, for messages
       character(*), intent(in) :: name
       integer(int64), intent(in) :: columns
@@ -73,8 +73,11 @@ contains
       type(table_type), intent(out) :: table
       !> Allocated on failure: invalid_argument, parse
       type(error_type), allocatable, intent(out) :: error
+      !> Of the columns; they have none if absent
+      type(column_names_type), intent(in), optional :: names
 
       table%name = name
+      if (present(names)) table%names = names
       if (columns < 1 .or. columns > most_columns) call fatal_error(error, status%parse, name// &
          ": "//integer_text(columns)//" columns are not from 1 to "//integer_text(most_columns))
       if (allocated(error)) return

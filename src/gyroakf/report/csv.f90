@@ -6,8 +6,7 @@ module gyroakf_report_csv
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_io_columns_writer, only : begin_rows, column_type, put_rows, row_layout_type, &
-      set_even
+   use gyroakf_io_columns_writer, only : column_type, put_rows, row_layout_type
    use gyroakf_io_writer, only : format_real, put, put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type
    use gyroakf_report_description, only : description_type, unknown_type
@@ -71,12 +70,10 @@ contains
       type(column_type), pointer :: of(:)
       type(channel_result_type), pointer :: channel
       type(row_layout_type) :: layout
-      integer(int64) :: n
       integer :: c, i
 
-      n = size(record%value, 1, kind=int64)
       columns%digits = output%digits
-      call set_even(columns(1), 0_int64, record%sample_interval)
+      columns(1) = column_type(step=record%sample_interval, digits=15)
       layout%form = "text"
       if (output%form /= "csv") layout%form = output%form
       layout%stage = "writing series."//output%form
@@ -106,8 +103,7 @@ contains
          if (allocated(channel%series_drift_akf)) of(8)%value => channel%series_drift_akf
       end do
       if (layout%form == "text") call put_line(writer, "")
-      call begin_rows(writer, size(columns), n, layout)
-      call put_rows(writer, columns, 1_int64, n, layout, error, progress)
+      call put_rows(writer, columns, size(record%value, 1, kind=int64), layout, error, progress)
    end subroutine write_series
 
    !> A field of text, in quotes where it needs them; one that a spreadsheet would take for a formula begins
