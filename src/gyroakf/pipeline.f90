@@ -185,8 +185,8 @@ contains
       type(channel_result_type), intent(inout) :: result
 
       if (.not. allocated(result%series_cleaned)) result%series_cleaned = record%value(:, channel)
-      if (allocated(record%present) .and. .not. allocated(result%series_present)) &
-         result%series_present = record%present(:, channel)
+      if (allocated(result%series_present) .or. .not. allocated(record%present)) return
+      result%series_present = record%present(:, channel)
    end subroutine keep_input
 
    !> One channel of a record.

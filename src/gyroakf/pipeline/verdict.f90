@@ -152,8 +152,9 @@ contains
       call decide(noise, real(size(x, kind=int64)/block_count, dp), channel%verdict)
       ! not where outliers hide B
       if (channel%verdict%drift == "flicker" .and. channel%allan(stage%input)%fitted) then
-         if (.not. channel%allan(stage%input)%noise%coefficient(term_flicker)%detected) &
-            channel%verdict%drift = "none"
+         associate (flicker => channel%allan(stage%input)%noise%coefficient(term_flicker))
+            if (.not. flicker%detected) channel%verdict%drift = "none"
+         end associate
       end if
       call give_reasons(record, channel%verdict)
       call withhold(channel)

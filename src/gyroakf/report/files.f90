@@ -171,8 +171,8 @@ contains
       if (present(output)) series = output
       call build_figures(record, result, figures)
       call make_directory(directory, error)
-      if (.not. allocated(error) .and. size(figures) > 0) &
-         call make_directory(directory//"/"//figure_folder, error)
+      if (allocated(error)) return
+      if (size(figures) > 0) call make_directory(directory//"/"//figure_folder, error)
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_ar, &

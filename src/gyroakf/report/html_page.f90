@@ -119,7 +119,7 @@ contains
             if (any([(result%channel(c)%allan(stage%input)%fitted, c=1, &
                       size(result%channel))])) then
                call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "// &
-                                  minimum_note(), 2)
+                                  minimum_note())
             end if
          else if (command /= "ar" .or. size(result%channel) > 1) then
             call put_overview(writer, command, record, result)

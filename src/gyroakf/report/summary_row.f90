@@ -171,8 +171,7 @@ contains
             call out%put("std_error", stated%std_error, known, title=key//"_std_error")
             call out%put("upper_limit", stated%upper_limit, known, title=key//"_upper_limit_95")
             call out%put("detected", stated%detected, known, title=key//"_detected")
-            if (allocated(stated%unit)) call out%put("unit", stated%unit, known, title=key//"_unit")
-            if (.not. allocated(stated%unit)) call out%put("unit", "", known, title=key//"_unit")
+            call out%put("unit", stated%unit, known, title=key//"_unit")
             call out%close()
          end associate
       end do

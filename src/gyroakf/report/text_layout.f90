@@ -127,19 +127,17 @@ contains
                        with_signs(writer, text, verbatim), item_column, color)
    end subroutine put_item
 
-   !> Wrapped text.
-   subroutine put_paragraph(writer, text, indent)
+   !> Wrapped text, two blanks in front of every line.
+   subroutine put_paragraph(writer, text)
       !> The report
       type(writer_type), intent(inout) :: writer
       !> Any length
       character(*), intent(in) :: text
-      !> Blanks in front of every line
-      integer, intent(in) :: indent
 
       if (writer%markup%on) then
          call html_paragraph(writer, with_signs(writer, text))
       else
-         call put_wrapped(writer, repeat(" ", indent), with_signs(writer, text), indent, "")
+         call put_wrapped(writer, "  ", with_signs(writer, text), 2, "")
       end if
    end subroutine put_paragraph
 

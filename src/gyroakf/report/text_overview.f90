@@ -139,7 +139,7 @@ contains
 
       call put_line(writer, "")
       call put_table(writer, table)
-      if (note /= "") call put_paragraph(writer, note, 2)
+      if (note /= "") call put_paragraph(writer, note)
    end subroutine put_below
 
    !> A single channel.
