@@ -108,7 +108,6 @@ contains
             call check(error, density%unit//" "//density%unit_si, "deg/s/sqrt(Hz) rad/s/sqrt(Hz)")
          end associate
       end do
-      call check(error, abs(stated%density_one_sided - stated%density(2)%value) < thr)
       call state_ones("mg", stated, .true.)
       call check(error, stated%density(1)%value, 1000.0_dp, thr=thr, rel=.true.)
       call check(error, stated%density(1)%unit//" "//stated%density(1)%unit_si, "ug/sqrt(Hz) m/s^2/sqrt(Hz)")

@@ -4,8 +4,8 @@
 module gyroakf_report_figure_allan
    use gyroakf_allan_read_off, only : least_edf
    use gyroakf_kinds, only : dp
-   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, &
-      stage
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, &
+      pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
    use gyroakf_report_sign, only : to_unicode
@@ -23,8 +23,9 @@ module gyroakf_report_figure_allan
    !> over the coefficient
    integer, parameter :: drawn_terms(3) = [4, 3, 2]
    real(dp), parameter :: term_slope(5) = [-1.0_dp, -0.5_dp, 0.0_dp, 0.5_dp, 1.0_dp]
-   real(dp), parameter :: term_height(5) = [sqrt(3.0_dp), 1.0_dp, sqrt(2*log(2.0_dp)/acos(-1.0_dp)), &
-                                          sqrt(1/3.0_dp), sqrt(0.5_dp)]
+   real(dp), parameter :: term_height(5) = [sqrt(3.0_dp), 1.0_dp, &
+                                            sqrt(2*log(2.0_dp)/acos(-1.0_dp)), sqrt(1/3.0_dp), &
+                                            sqrt(0.5_dp)]
    !> Relative difference of averaging times that are the same
    real(dp), parameter :: tolerance = 1.0e-6_dp
 
