@@ -62,7 +62,6 @@ contains
       if (condition .and. .not. allocated(error)) call usage_error(error, message)
    end subroutine refuse
 
-   !> How the recording is read.
    subroutine check_input(reader, error)
       type(reader_options), intent(in) :: reader
       type(error_type), allocatable, intent(out) :: error
@@ -91,7 +90,6 @@ contains
       end do
    end subroutine check_input
 
-   !> What is computed.
    subroutine check_method(words, config, error)
       type(words_type), intent(in) :: words
       type(config_type), intent(in) :: config
@@ -111,7 +109,6 @@ contains
       end associate
    end subroutine check_method
 
-   !> The simulated record and its files.
    subroutine check_simulation(config, error)
       type(config_type), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error

@@ -85,7 +85,6 @@ contains
       text = text//"esac"//nl
    end function zsh_text
 
-   !> An option as _arguments has it.
    function zsh_spec(option, name) result(spec)
       type(option_type), intent(in) :: option
       !> The long or the short one
@@ -135,7 +134,6 @@ contains
       end do
    end function fish_text
 
-   !> The options that a command knows.
    function names_of(command) result(list)
       character(*), intent(in) :: command
       character(:), allocatable :: list

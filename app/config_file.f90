@@ -50,7 +50,6 @@ contains
       call join(more, command, words)
    end subroutine add_config
 
-   !> One line.
    subroutine read_line(line, place, more, command, error)
       character(*), intent(in) :: line
       !> FILE:LINE
@@ -89,7 +88,6 @@ contains
       end select
    end subroutine read_line
 
-   !> An option of the file.
    subroutine add_option(name, value, place, more, error)
       !> With its dashes
       character(*), intent(in) :: name

@@ -59,7 +59,6 @@ contains
       code = 128 + interrupt_signal()
    end subroutine run_program
 
-   !> The job of one command.
    subroutine execute(config, code, error)
       type(config_type), intent(in) :: config
       !> The largest of many files
@@ -91,7 +90,6 @@ contains
       call clear_bar(bar)
    end subroutine execute
 
-   !> A text into a file.
    subroutine write_text(path, text, error)
       !> "-" is standard output
       character(*), intent(in) :: path

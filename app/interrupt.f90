@@ -40,7 +40,6 @@ contains
       call watch(signal_hangup)
    end subroutine watch_signals
 
-   !> One signal.
    subroutine watch(signal)
       integer(c_int), intent(in) :: signal
       type(c_funptr) :: before

@@ -88,7 +88,6 @@ contains
       deallocate (error)
    end subroutine work_on_one
 
-   !> The files and their folders.
    subroutine gather_files(config, paths, folders, error)
       type(config_type), intent(in) :: config
       !> The files, and the folders of their results, "" where none are written: [number of files]
@@ -128,7 +127,6 @@ contains
       end do
    end subroutine gather_files
 
-   !> The job of one file alone.
    subroutine prepare_job(config, path, folder, job)
       type(config_type), intent(in) :: config
       character(*), intent(in) :: path, folder
@@ -148,7 +146,6 @@ contains
       end do
    end subroutine prepare_job
 
-   !> The summary on standard output.
    subroutine print_summary(config, rows, error)
       type(config_type), intent(in) :: config
       type(summary_row_type), intent(in) :: rows(:)

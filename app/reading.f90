@@ -92,15 +92,10 @@ contains
    !> It is on the record's grid: --rate, --dt, --from and --to hold for it too. Its unit is that of
    !> its header, else the record's.
    subroutine read_truth(config, record, truth, error, progress)
-      !> Its `truth` is given
       type(config_type), intent(in) :: config
-      !> What is filtered
       type(record_type), intent(in) :: record
-      !> The true drift
       type(record_type), intent(out) :: truth
-      !> As of [[read_record]]; data: it does not fit
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
 
@@ -205,7 +200,6 @@ contains
       end subroutine add
    end subroutine list_ways
 
-   !> What an analysis needs of the memory.
    subroutine set_memory(pipeline, reader)
       type(pipeline_options), intent(in) :: pipeline
       !> Its bytes per sample are set

@@ -35,14 +35,13 @@ contains
       select case (option%group)
       case ("input"); call set_input(config%reader, option, value, error)
       case ("preset"); call apply_preset(text, config%pipeline, error)
-      case ("clean", "tests"); call set_series(config%pipeline, option, value, error)
-      case ("ar", "filter", "allan"); call set_model(config%pipeline, option, value, error)
+      case ("clean", "tests", "ar", "filter", "allan")
+         call set_method(config%pipeline, option, value, error)
       case default; call set_common(config, option, value, error)
       end select
       if (option%name == "--unit") call check_units(option, text, error)
    end subroutine apply_option
 
-   !> How the recording is read.
    subroutine set_input(reader, option, value, error)
       type(reader_options), intent(inout) :: reader
       type(option_type), intent(in) :: option
@@ -95,7 +94,6 @@ contains
          "i16, i32, i64, u8, u16, u32, which may have le or be behind them"//near, error)
    end subroutine check_format
 
-   !> An unknown unit is a usage error.
    subroutine check_units(option, text, error)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
@@ -107,12 +105,12 @@ contains
       if (allocated(unknown)) call value_error(option, unknown%message, error)
    end subroutine check_units
 
-   !> Cleaning and tests.
-   subroutine set_series(pipeline, option, value, error)
+   subroutine set_method(pipeline, option, value, error)
       type(pipeline_options), intent(inout) :: pipeline
       type(option_type), intent(in) :: option
       type(value_type), intent(in) :: value
       type(error_type), allocatable, intent(out) :: error
+      integer :: given, i
 
       select case (option%name)
       case ("--outliers"); pipeline%clean%method = value%text
@@ -129,19 +127,6 @@ contains
       case ("--kpss-lags"); pipeline%kpss%lags = value%count
       case ("--lags"); pipeline%correlation_lags = int(value%count)
       case ("--welch-segment"); pipeline%welch_segment = value%number
-      case default; call not_wired(option, error)
-      end select
-   end subroutine set_series
-
-   !> AR model, filters, Allan curve and its fit.
-   subroutine set_model(pipeline, option, value, error)
-      type(pipeline_options), intent(inout) :: pipeline
-      type(option_type), intent(in) :: option
-      type(value_type), intent(in) :: value
-      type(error_type), allocatable, intent(out) :: error
-      integer :: given, i
-
-      select case (option%name)
       case ("--ar-method"); pipeline%ar%method = value%text
       case ("--ar-criterion"); pipeline%ar%criterion = value%text
       case ("--max-order"); pipeline%ar%max_order = int(value%count)
@@ -176,7 +161,7 @@ contains
       case ("--fit-tau-max"); pipeline%noise%tau_max = value%number
       case default; call not_wired(option, error)
       end select
-   end subroutine set_model
+   end subroutine set_method
 
    !> Kinds of deviation beside oadev, each once.
    subroutine set_kinds(pipeline, text)
@@ -234,7 +219,6 @@ contains
       end if
    end subroutine check_taus
 
-   !> The simulated record, output, and how the program works.
    subroutine set_common(config, option, value, error)
       type(config_type), intent(inout) :: config
       type(option_type), intent(in) :: option

@@ -79,7 +79,6 @@ contains
       end do
    end subroutine sort_words
 
-   !> Remembers a word that is no option.
    subroutine add_word(words, word, behind_dashes)
       type(words_type), intent(inout) :: words
       character(*), intent(in) :: word
@@ -132,7 +131,6 @@ contains
       words%given(words%used)%value = value
    end subroutine add_option
 
-   !> An option that is in no row, with the nearest one that is.
    subroutine unknown_option(name, error)
       character(*), intent(in) :: name
       type(error_type), allocatable, intent(out) :: error

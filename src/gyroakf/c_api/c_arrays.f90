@@ -67,7 +67,6 @@ contains
       gyroakf_record_new_watched = leave_library(c, err)
    end function gyroakf_record_new_watched
 
-   !> The samples of every channel.
    subroutine copy_values(values, channels, n, record, c)
       type(c_ptr), intent(in) :: values
       integer(c_int32_t), intent(in) :: channels

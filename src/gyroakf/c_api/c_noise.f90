@@ -85,7 +85,6 @@ contains
       gyroakf_allan_fit = leave_library(c, err)
    end function gyroakf_allan_fit
 
-   !> The curve of a handle.
    subroutine open_curve(a, has_out, curve, c)
       type(c_ptr), intent(in) :: a
       logical, intent(in) :: has_out
@@ -124,7 +123,6 @@ contains
       end associate
    end subroutine fit
 
-   !> One coefficient in C's struct.
    elemental type(coefficient_c) function coefficient_of(c)
       type(coefficient_type), intent(in) :: c
 

@@ -49,7 +49,6 @@ contains
       end do
    end subroutine check_apart
 
-   !> Where a pointer leads.
    pure integer(c_intptr_t) function address(array)
       !> Any
       type(c_ptr), intent(in) :: array

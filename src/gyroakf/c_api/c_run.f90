@@ -86,7 +86,6 @@ contains
       gyroakf_run = leave_library(c, err)
    end function gyroakf_run
 
-   !> The job, and its document.
    subroutine run_record(given, options, json, c)
       !> Its missing values are NaN
       type(record_type), intent(in) :: given
@@ -191,7 +190,6 @@ contains
       gyroakf_simulate = leave_library(c, err)
    end function gyroakf_simulate
 
-   !> Options of C into options of the library.
    subroutine read_simulation(opt, options, c)
       type(simulate_options_c), intent(in) :: opt
       type(simulate_options), intent(out) :: options

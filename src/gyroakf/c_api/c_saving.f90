@@ -105,7 +105,6 @@ contains
       place(:) = transfer(word, place)
    end subroutine write_bytes
 
-   !> Words from the caller's bytes.
    subroutine read_bytes(bytes, length, word, error)
       type(c_ptr), intent(in) :: bytes
       integer(c_int64_t), intent(in) :: length
