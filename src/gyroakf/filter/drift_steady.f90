@@ -19,12 +19,15 @@ contains
    subroutine steady_drift_gain(model, gain, error)
       !> Checked (check_components)
       type(component_model_type), intent(in) :: model
-      !> Gains; 0 of a process without driving noise, which is known in the end
+      !> Gains, 0 of a process without driving noise, which is known in the end; all 0 where r is 0, or
+      !> nothing beside the driving noises, and there are more processes than one: left open
       real(dp), intent(out) :: gain(most_components)
       !> As steady_covariance
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: p(most_components, most_components)
 
+      gain = 0.0_dp
+      if (count(model%q > 0.0_dp) > 1 .and. model%r <= epsilon(1.0_dp)*sum(model%q)) return
       call steady_covariance(model, p, error)
       gain = sum(p, 1)
       if (any(gain > 0.0_dp)) gain = gain/(sum(gain) + model%r)
