@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Numbers that stand with their derivatives by the parameters of a drift model, the value first, and
-!> small matrices of them: (0:last_lane, row, column).
+!> Numbers that stand with their derivatives by the parameters of a drift model, the value first,
+!> and small matrices of them: (0:last_lane, row, column).
 module gyroakf_filter_derivatives
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_components, only : most_components

@@ -3,9 +3,10 @@
 module gyroakf_filter_drift_steady
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
-   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, &
+   use gyroakf_filter_components, only : component_model_type, component_state_type, &
+      most_components, &
       predict_components, correct_components
-   use gyroakf_filter_state_space, only : solve_riccati, steady_prior
+   use gyroakf_filter_steady_gain, only : solve_riccati, steady_prior
    implicit none (type, external)
    private
    public :: steady_drift_gain, steady_covariance, drift_dc_gain
@@ -19,8 +20,8 @@ contains
    subroutine steady_drift_gain(model, gain, error)
       !> Checked (check_components)
       type(component_model_type), intent(in) :: model
-      !> Gains, 0 of a process without driving noise, which is known in the end; all 0 where r is 0, or
-      !> nothing beside the driving noises, and there are more processes than one: left open
+      !> Gains, 0 of a process without driving noise, which is known in the end; all 0 where r is 0,
+      !> or nothing beside the driving noises, and there are more processes than one: left open
       real(dp), intent(out) :: gain(most_components)
       !> As steady_covariance
       type(error_type), allocatable, intent(out) :: error
@@ -33,13 +34,14 @@ contains
       if (any(gain > 0.0_dp)) gain = gain/(sum(gain) + model%r)
    end subroutine steady_drift_gain
 
-   !> Covariance of the prediction to which a filter with constant variances settles: of one process the closed form of
-   !> [[steady_prior]], of more the Riccati equation by doubling.
+   !> Covariance of the prediction to which a filter with constant variances settles: of one process
+   !> the closed form of [[steady_prior]], of more the Riccati equation by doubling.
    !>
-   !> It is solved for the covariance X behind the measurement, $ P = \Phi X \Phi^T + Q $: for that the next measurement has the
-   !> noise $ \rho = r + \sum_i q_i $, which is not 0 where r is, correlated with the driving noise; without the part that the
-   !> measurement tells of, the transition is $ \Phi - Q \mathbf 1 \phi^T/\rho $ and the noise
-   !> $ Q - Q \mathbf 1 \mathbf 1^T Q/\rho $.
+   !> It is solved for the covariance X behind the measurement, $ P = \Phi X \Phi^T + Q $: for that
+   !> the next measurement has the noise $ \rho = r + \sum_i q_i $, which is not 0 where r is,
+   !> correlated with the driving noise; without the part that the measurement tells of, the
+   !> transition is $ \Phi - Q \mathbf 1 \phi^T/\rho $ and the noise $ Q - Q \mathbf 1 \mathbf 1^T
+   !> Q/\rho $.
    subroutine steady_covariance(model, p, error)
       !> Checked (check_components)
       type(component_model_type), intent(in) :: model
@@ -49,7 +51,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(component_model_type) :: driven
       type(component_state_type) :: state
-      real(dp), allocatable :: a(:, :), g(:, :), h(:, :)
+      real(dp), allocatable :: a(:, :), h(:, :)
       integer, allocatable :: at(:)
       real(dp) :: rho
       integer :: i, j, n
@@ -64,22 +66,22 @@ contains
       driven%r = model%r/rho
       if (n == 1) then
          p(at(1), at(1)) = model%q(at(1))
-         if (model%r > 0.0_dp) p(at(1), at(1)) = steady_prior(driven%phi(1), model%q(at(1)), model%r)
+         if (model%r > 0.0_dp) p(at(1), at(1)) = steady_prior(driven%phi(1), model%q(at(1)), &
+            model%r)
       end if
       if (n <= 1) return
-      allocate (a(n, n), g(n, n), h(n, n))
+      allocate (a(n, n), h(n, n))
       associate (phi => driven%phi(:n), q => driven%q(:n))
          do j = 1, n
             do i = 1, n
                a(i, j) = -q(i)*phi(j)
-               g(i, j) = phi(i)*phi(j)
                h(i, j) = -q(i)*q(j)
             end do
             a(j, j) = (1.0_dp - q(j))*phi(j)
             h(j, j) = q(j)*(driven%r + sum(q(:j - 1)) + sum(q(j + 1:)))
          end do
       end associate
-      call solve_riccati(a, g, h, error)
+      call solve_riccati(a, driven%phi(:n), h, error)
       if (allocated(error)) return
       state%p(:n, :n) = h
       do i = 1, polishing

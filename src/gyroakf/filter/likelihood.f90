@@ -9,9 +9,11 @@
 !> ([[gyroakf_filter_steady_filter]]). What is known less of the state before it than the steady
 !> covariance says is a shift d, of covariance D, of that state; integrated over d the stretch has
 !> $$ -2 \ln L = n \ln 2\pi S + \tfrac1S \sum e_k^2 + \ln \det (I + G D) - b^T \hat d, \quad
-!>    \hat d = (D^{-1} + G)^{-1} b, \quad G = \tfrac1S \sum g_k g_k^T, \quad b = \tfrac1S \sum g_k e_k $$
-!> and the state behind it is that of the filter plus $ L^n \hat d $. Of a random walk that is not known
-!> d is flat: no $ D^{-1} $.
+!>    \hat d = (D^{-1} + G)^{-1} b, \quad G = \tfrac1S \sum g_k g_k^T, \quad
+!>    b = \tfrac1S \sum g_k e_k $$
+
+!> and the state behind it is that of the filter plus $ L^n \hat d $. Of a random walk that is not
+!> known d is flat: no $ D^{-1} $.
 !>
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.2, 7.3;
 !> Rosenberg, Ann. Econ. Soc. Meas. 2 (1973) 399-428 (the shift of the start).
@@ -20,7 +22,8 @@ module gyroakf_filter_likelihood
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_filter_components, only : component_model_type, most_components, check_components
-   use gyroakf_filter_derivatives, only : last_lane, product_of, quotient, logarithm, multiply, raise, solve
+   use gyroakf_filter_derivatives, only : last_lane, product_of, quotient, logarithm, multiply, &
+      raise, solve
    use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
    use gyroakf_filter_steady_filter, only : steady_filter_type, stretch_type, make_steady_filter, &
       run_stretch
@@ -50,13 +53,13 @@ contains
       real(dp), intent(in), contiguous :: z(:)
       !> The natural logarithm
       real(dp), intent(out) :: value
-      !> invalid_argument, non_finite, unstable; too_few_samples (none that counts); not_converged, singular (its steady gain);
-      !> no_memory; cancelled
+      !> invalid_argument, non_finite, unstable; too_few_samples (none that counts); not_converged,
+      !> singular (its steady gain); no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> By phi of every process (0 for a random walk), q of every process (0 for a random walk without
-      !> steps), r: [2 count + 1]
+      !> By phi of every process (0 for a random walk), q of every process (0 for a random walk
+      !> without steps), r: [2 count + 1]
       real(dp), intent(out), optional :: gradient(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
@@ -107,7 +110,8 @@ contains
          call join(filter, stretch, known, deviance)
       end do
       if (measurements < 1) then
-         call fatal_error(error, status%too_few_samples, "the likelihood of a drift model needs more samples")
+         call fatal_error(error, status%too_few_samples, &
+            "the likelihood of a drift model needs more samples")
          return
       end if
       value = -0.5_dp*(real(measurements, dp)*log_two_pi + deviance(0))
@@ -119,7 +123,8 @@ contains
       logical function is_here(at)
          integer(int64), intent(in) :: at
 
-         is_here = iand(shiftr(transfer(z(at), 0_int64), 52), exponent_mask) < exponent_limit    ! is_sample, inline
+         ! is_sample, inline
+         is_here = iand(shiftr(transfer(z(at), 0_int64), 52), exponent_mask) < exponent_limit
          if (present(valid)) is_here = is_here .and. valid(at) /= 0_int8
       end function is_here
    end subroutine component_likelihood
@@ -151,12 +156,14 @@ contains
       integer(int64) :: k
       integer :: i, j
 
-      if (known%flat > 0) return                           ! nothing was measured: the others are stationary
+      ! nothing was measured: the others are stationary
+      if (known%flat > 0) return
       do k = 1, samples
          do j = 1, filter%n
             known%x(:, j) = product_of(filter%phi(:, j), known%x(:, j))
             do i = 1, filter%n
-               known%p(:, i, j) = product_of(filter%phi(:, i), product_of(filter%phi(:, j), known%p(:, i, j)))
+               known%p(:, i, j) = &
+                  product_of(filter%phi(:, i), product_of(filter%phi(:, j), known%p(:, i, j)))
             end do
             known%p(:, j, j) = known%p(:, j, j) + filter%q(:, j)
          end do
@@ -171,7 +178,8 @@ contains
       type(known_type), intent(inout) :: known
       !> -2 ln L without its ln 2 pi
       real(dp), intent(inout) :: deviance(0:last_lane)
-      real(dp), dimension(0:last_lane, most_components, most_components) :: gram, system, shift, power
+      real(dp), dimension(0:last_lane, most_components, most_components) :: gram, system, shift, &
+         power
       real(dp), dimension(0:last_lane, most_components) :: b
       real(dp) :: term(0:last_lane)
       integer :: i, j, n

@@ -1,20 +1,26 @@
 ! SPDX-License-Identifier: MIT
-!> The fixed-interval smoother of a drift model: each sample's drift from the whole record, before and after it.
+!> The fixed-interval smoother of a drift model: each sample's drift from the whole record, before
+!> and after it.
 !>
-!> With filtered estimates x_k, P_k, gains K, innovations e and their variances S, backwards from rho = 0, N = 0:
+!> With filtered estimates x_k, P_k, gains K, innovations e and their variances S, backwards from
+!> rho = 0, N = 0:
 !> $$ \hat x_k = x_k + P_k \rho_k, \quad V_k = P_k - P_k N_k P_k $$
 !> $$ \rho_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T \rho_k + \mathbf 1\, e_k/S_k \big], \quad
-!>    N_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T N_k (I - K \mathbf 1^T) + \mathbf 1 \mathbf 1^T/S_k \big] \Phi $$
-!> without an inverse of a covariance. The filter's states are kept at the beginnings of about sqrt(n) blocks and recomputed within
-!> a block: two forward passes and one backward, exact, memory O(sqrt n).
+!>    N_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T N_k (I - K \mathbf 1^T)
+!>    + \mathbf 1 \mathbf 1^T/S_k \big] \Phi $$
+
+!> without an inverse of a covariance. The filter's states are kept at the beginnings of about
+!> sqrt(n) blocks and recomputed within a block: two forward passes and one backward, exact, memory
+!> O(sqrt n).
 !>
-!> Source: Bryson & Frazier (1963); de Jong, J. Amer. Stat. Assoc. 84 (1989) 408-409; Durbin & Koopman, Time Series Analysis by
-!> State Space Methods, 2nd ed. (2012), 4.4.
+!> Source: Bryson & Frazier (1963); de Jong, J. Amer. Stat. Assoc. 84 (1989) 408-409; Durbin &
+!> Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 4.4.
 module gyroakf_filter_smoother
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, check_components, &
+   use gyroakf_filter_components, only : component_model_type, component_state_type, &
+      most_components, check_components, &
       start_components, predict_components, correct_components, settling_type, judge_settling
    use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
@@ -54,7 +60,8 @@ contains
       real(dp), intent(in), contiguous :: z(:)
       !> Its drift, also where samples are missing: [n]; not the same array as z
       real(dp), intent(out), contiguous :: drift(:)
-      !> invalid_argument (sizes, model), non_finite, unstable, too_few_samples (none is present), no_memory, cancelled
+      !> invalid_argument (sizes, model), non_finite, unstable, too_few_samples (none is present),
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -75,7 +82,8 @@ contains
       n = size(z, kind=int64)
       call check_components(model, error)
       if (allocated(error)) return
-      call check_sizes(n, size(drift, kind=int64), size(slow) == model%count, error, valid, variance, white)
+      call check_sizes(n, size(drift, kind=int64), size(slow) == model%count, error, valid, &
+         variance, white)
       if (allocated(error)) return
       length = block_of(n)
       blocks = (n + length - 1)/length
@@ -96,14 +104,16 @@ contains
          if (allocated(error)) return
       end do
       if (seen == 0) then
-         call fatal_error(error, status%too_few_samples, "a drift is smoothed out of measurements, and there is none")
+         call fatal_error(error, status%too_few_samples, &
+            "a drift is smoothed out of measurements, and there is none")
          return
       end if
       do b = blocks, 1, -1
          from = (b - 1)*length + 1
          to = min(n, b*length)
          settling = settling_type()
-         if (b < blocks) call advance_smoother(model, z, from, to, start(b), settling, step, seen, valid, white)
+         if (b < blocks) call advance_smoother(model, z, from, to, start(b), settling, step, seen, &
+            valid, white)
          call smooth_back(model, slow, step, from, to, back, drift, variance)
          call report_progress("smoothing", 2*n - from, 2*n, error, progress)
          if (allocated(error)) return
@@ -133,7 +143,8 @@ contains
       if (present(valid)) same = same .and. size(valid, kind=int64) == n
       if (present(variance)) same = same .and. size(variance, kind=int64) == n
       if (present(white)) same = same .and. size(white, kind=int64) == n
-      if (.not. same) call fatal_error(error, status%invalid_argument, "a smoother needs a series, an output and masks of one "// &
+      if (.not. same) call fatal_error(error, status%invalid_argument, &
+         "a smoother needs a series, an output and masks of one "// &
                                        "length, and a word for each process")
    end subroutine check_sizes
 
@@ -176,7 +187,8 @@ contains
                if (.not. here) then
                   settling = settling_type()
                else if (modulo(k, test_interval) == 0 .and. .not. present(white)) then
-                  call judge_settling(settling, reshape([state%gain(:n), state%variance], [n + 1, 1]))
+                  call judge_settling(settling, &
+                     reshape([state%gain(:n), state%variance], [n + 1, 1]))
                end if
             end if
             now%state = state
@@ -207,7 +219,8 @@ contains
                if (present(variance)) call smooth_covariance(n, now%state%p, back)
             end if
             drift(k) = sum(back%x(:n), mask=slow)
-            if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) .and. spread(slow, 2, n))
+            if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) &
+               .and. spread(slow, 2, n))
             back%before = back%before .or. now%begins
             if (back%before) cycle
             if (present(variance)) call carry_covariance(model, now, back)
@@ -237,7 +250,8 @@ contains
 
       n = model%count
       if (now%counts) then
-         change = now%state%innovation/now%state%variance - dot_product(now%state%gain(:n), back%rho(:n))
+         change = now%state%innovation/now%state%variance &
+            - dot_product(now%state%gain(:n), back%rho(:n))
          back%rho(:n) = back%rho(:n) + change
       end if
       back%rho(:n) = model%phi(:n)*back%rho(:n)
@@ -269,7 +283,8 @@ contains
       end do
    end subroutine carry_covariance
 
-   !> Back by one sample before the first measurement: the processes are the same in both directions of time.
+   !> Back by one sample before the first measurement: the processes are the same in both directions
+   !> of time.
    pure subroutine predict_back(model, back)
       type(component_model_type), intent(in) :: model
       type(smoother_back_type), intent(inout) :: back

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The filter of a drift model with its steady gain K, over a stretch of samples without a gap, and its
-!> derivatives by the parameters of the model.
+!> The filter of a drift model with its steady gain K, over a stretch of samples without a gap, and
+!> its derivatives by the parameters of the model.
 !>
 !> A shift d of the state before the stretch changes the innovations to $ e_k - g_k^T d $ with
 !> $ g_k = (L^T)^{k-1} \mathbf 1, L = \Phi (I - K \mathbf 1^T) $: summed are e e, g e and g g.
@@ -104,7 +104,8 @@ contains
       filter%s(0) = s
       filter%s(2*n + 1) = filter%s(2*n + 1) + 1.0_dp
       do i = 1, n
-         filter%gain(:, i) = product_of(filter%phi(:, i), quotient(sum(filter%p(:, :, i), 2), filter%s))
+         filter%gain(:, i) = &
+            product_of(filter%phi(:, i), quotient(sum(filter%p(:, :, i), 2), filter%s))
          do j = 1, n
             filter%l(:, i, j) = merge(1.0_dp, 0.0_dp, i == j)*filter%phi(:, i) - filter%gain(:, i)
          end do
@@ -147,7 +148,8 @@ contains
    !> Hot: a step is $ e = z - \mathbf 1^T x, x \leftarrow L x + \Phi K z, g \leftarrow L^T g $. The
    !> values v run ahead of the vectors.
    pure subroutine run_steps(n, with_g, filter, z, level, stretch)
-      !> Processes, whether g has not vanished: known where this is called, so that loops are unrolled
+      !> Processes, whether g has not vanished: known where this is called, so that loops are
+      !> unrolled
       integer, value :: n
       logical, value :: with_g
       type(steady_filter_type), intent(in) :: filter
