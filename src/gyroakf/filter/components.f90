@@ -18,7 +18,7 @@ module gyroakf_filter_components
    private
    public :: component_model_type, component_state_type, most_components
    public :: check_components, start_components, predict_components, correct_components
-   public :: settling_type, judge_settling, settle_distance, vanished
+   public :: settle_distance, vanished
 
    !> Processes that a model may have
    integer, parameter :: most_components = 3
@@ -45,18 +45,6 @@ module gyroakf_filter_components
       integer :: walk = 0
       logical :: started = .true.
    end type component_state_type
-
-   !> Relative distance at which it is as good as reached, and change that is rounding
-   real(dp), parameter :: settled_distance = 1.0e-13_dp, rounding = 4.0_dp*epsilon(1.0_dp)
-
-   !> Whether numbers of a recursion have come to rest
-   type :: settling_type
-      !> They have: they may be kept until a measurement is missing
-      logical :: settled = .false.
-      !> What they were when they were judged last, how far they had come
-      real(dp), allocatable :: judged(:, :)
-      real(dp) :: moved = 0.0_dp
-   end type settling_type
 
    !> Relative distance from the steady gain at which the gain is taken as settled ...
    real(dp), parameter :: settle_tolerance = 1.0e-13_dp
@@ -185,34 +173,6 @@ contains
          end do
       end do
    end subroutine correct_components
-
-   !> Judges numbers after so and so many measurements, always the same: the distance that is left
-   !> is that of a geometric approach.
-   pure subroutine judge_settling(settling, numbers)
-      !> Fresh at the beginning and after a missing measurement
-      type(settling_type), intent(inout) :: settling
-      !> Those of a column are judged in units of their largest: [any, any], always the same
-      real(dp), intent(in) :: numbers(:, :)
-      real(dp) :: moved, ratio, scale
-      integer :: k
-
-      if (.not. allocated(settling%judged)) then
-         allocate (settling%judged(size(numbers, 1), size(numbers, 2)))
-         settling%judged(:, :) = numbers
-         return
-      end if
-      moved = 0.0_dp
-      do k = 1, size(numbers, 2)
-         scale = maxval(abs(numbers(:, k)))
-         if (scale > 0.0_dp) moved = &
-            max(moved, maxval(abs(numbers(:, k) - settling%judged(:, k)))/scale)
-      end do
-      ratio = 1.0_dp
-      if (settling%moved > 0.0_dp) ratio = min(1.0_dp, moved/settling%moved)
-      settling%settled = moved <= rounding .or. moved*ratio <= settled_distance*(1.0_dp - ratio)
-      settling%moved = moved
-      settling%judged(:, :) = numbers
-   end subroutine judge_settling
 
    !> Distance from the steady gain K at which the gain has settled: at most 1e-12 of the
    !> innovations is then seen in the output.

@@ -3,16 +3,17 @@
 module gyroakf_filter_drift_steady
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
-   use gyroakf_filter_components, only : component_model_type, component_state_type, &
-      most_components, &
-      predict_components, correct_components
+   use gyroakf_filter_components, only : component_model_type, most_components
    use gyroakf_filter_steady_gain, only : solve_riccati, steady_prior
    implicit none (type, external)
    private
-   public :: steady_drift_gain, steady_covariance, drift_dc_gain
+   public :: steady_drift_gain, steady_covariance, sum_powers, drift_dc_gain
 
-   !> Steps of the filter itself that polish the solution
-   integer, parameter :: polishing = 8
+   !> Newton's steps of a covariance
+   integer, parameter :: newton_steps = 2
+   !> Doublings of a sum of powers at most, and what is left of L at the last of them
+   integer, parameter :: most_doublings = 64
+   real(dp), parameter :: left = 1.0e-9_dp
 
 contains
 
@@ -37,11 +38,11 @@ contains
    !> Covariance of the prediction to which a filter with constant variances settles: of one process
    !> the closed form of [[steady_prior]], of more the Riccati equation by doubling.
    !>
-   !> It is solved for the covariance X behind the measurement, $ P = \Phi X \Phi^T + Q $: for that
-   !> the next measurement has the noise $ \rho = r + \sum_i q_i $, which is not 0 where r is,
-   !> correlated with the driving noise; without the part that the measurement tells of, the
-   !> transition is $ \Phi - Q \mathbf 1 \phi^T/\rho $ and the noise $ Q - Q \mathbf 1 \mathbf 1^T
-   !> Q/\rho $.
+   !> Newton's steps give the small elements the precision of the large ones. It is solved for the
+   !> covariance X behind the measurement, $ P = \Phi X \Phi^T + Q $: for that the next measurement
+   !> has the noise $ \rho = r + \sum_i q_i $, which is not 0 where r is, correlated with the
+   !> driving noise; without the part that the measurement tells of, the transition is $ \Phi - Q
+   !> \mathbf 1 \phi^T/\rho $ and the noise $ Q - Q \mathbf 1 \mathbf 1^T Q/\rho $.
    subroutine steady_covariance(model, p, error)
       !> Checked (check_components)
       type(component_model_type), intent(in) :: model
@@ -50,11 +51,11 @@ contains
       !> not_converged, singular: the Riccati iteration failed; no_memory
       type(error_type), allocatable, intent(out) :: error
       type(component_model_type) :: driven
-      type(component_state_type) :: state
       real(dp), allocatable :: a(:, :), h(:, :)
       integer, allocatable :: at(:)
-      real(dp) :: rho
-      integer :: i, j, n
+      real(dp), allocatable :: l(:, :), rest(:, :, :), share(:)
+      real(dp) :: rho, s
+      integer :: i, j, n, round
 
       p = 0.0_dp
       at = pack([(i, i=1, model%count)], model%q(:model%count) > 0.0_dp)
@@ -70,7 +71,7 @@ contains
             model%r)
       end if
       if (n <= 1) return
-      allocate (a(n, n), h(n, n))
+      allocate (a(n, n), h(n, n), l(n, n), rest(1, n, n))
       associate (phi => driven%phi(:n), q => driven%q(:n))
          do j = 1, n
             do i = 1, n
@@ -83,13 +84,55 @@ contains
       end associate
       call solve_riccati(a, driven%phi(:n), h, error)
       if (allocated(error)) return
-      state%p(:n, :n) = h
-      do i = 1, polishing
-         call predict_components(driven, state)
-         if (i < polishing) call correct_components(n, driven%r, 0.0_dp, state)
-      end do
-      p(at, at) = rho*state%p(:n, :n)
+      a = 0.0_dp
+      associate (phi => driven%phi(:n), q => driven%q(:n))
+         do j = 1, n
+            a(:, j) = h(:, j)*phi*phi(j)
+            a(j, j) = a(j, j) + q(j)
+         end do
+         do round = 1, newton_steps
+            share = sum(a, 1)
+            s = sum(share) + driven%r
+            do j = 1, n
+               do i = 1, n
+                  l(i, j) = phi(i)*(merge(1.0_dp, 0.0_dp, i == j) - share(i)/s)
+                  rest(1, i, j) = (phi(i)*phi(j) - 1.0_dp)*a(i, j) &
+                     - phi(i)*phi(j)*share(i)*share(j)/s
+               end do
+               rest(1, j, j) = rest(1, j, j) + q(j)
+            end do
+            call sum_powers(l, rest)
+            a = a + rest(1, :, :)
+         end do
+      end associate
+      p(at, at) = rho*a
    end subroutine steady_covariance
+
+   !> $ R + L R L^T + L^2 R (L^2)^T + \dots $, by doubling.
+   pure subroutine sum_powers(l, rest)
+      !> [n, n]; a power of it afterwards
+      real(dp), intent(inout), contiguous :: l(:, :)
+      !> Some R, the sums afterwards: [any, n, n]
+      real(dp), intent(inout), contiguous :: rest(:, :, :)
+      real(dp) :: half(size(rest, 1), size(l, 1), size(l, 1))
+      integer :: i, j, n, round
+
+      n = size(l, 1)
+      do round = 1, most_doublings
+         do j = 1, n
+            do i = 1, n
+               half(:, i, j) = matmul(rest(:, i, :), l(j, :))
+            end do
+         end do
+         do j = 1, n
+            do i = 1, n
+               rest(:, i, j) = rest(:, i, j) + matmul(half(:, :, j), l(i, :))
+            end do
+         end do
+         if (maxval(abs(l)) < left) exit
+         l = matmul(l, l)
+      end do
+   end subroutine sum_powers
 
    !> Share of a constant true rate that a drift filter with constant gains passes.
    !>

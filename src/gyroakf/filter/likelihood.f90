@@ -88,7 +88,6 @@ contains
          end do
          if (k > size(z, kind=int64)) exit
          call predict_gap(filter, k - first, known)
-         if (known%flat > 0) level = z(k)
          stretch = stretch_type(x=known%x)
          stretch%g(0, :filter%n) = 1.0_dp
          last = k
@@ -96,6 +95,7 @@ contains
             if (.not. is_here(last + 1)) exit
             last = last + 1
          end do
+         if (known%flat > 0) level = sum(z(k:last))/real(last - k + 1, dp)
          do while (k <= last)
             if (k > reported) then
                call report_progress("identifying", k - 1, size(z, kind=int64), error, progress)

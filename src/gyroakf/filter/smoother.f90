@@ -20,8 +20,9 @@ module gyroakf_filter_smoother
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_filter_components, only : component_model_type, component_state_type, &
-      most_components, check_components, &
-      start_components, predict_components, correct_components, settling_type, judge_settling
+      most_components, check_components, correct_components, predict_components, &
+      settle_distance, start_components
+   use gyroakf_filter_drift_steady, only : steady_drift_gain
    use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
@@ -29,9 +30,6 @@ module gyroakf_filter_smoother
 
    !> Samples of a block, at least
    integer(int64), parameter :: shortest_block = 1024
-
-   !> Samples between two tests whether the filter is stationary
-   integer(int64), parameter :: test_interval = 64
 
    !> What the way back needs of a sample: the state behind it
    type :: smoother_step_type
@@ -74,8 +72,10 @@ contains
       type(component_state_type), allocatable :: start(:)
       type(smoother_step_type), allocatable :: step(:)
       type(component_state_type) :: state
-      type(settling_type) :: settling
+      real(dp) :: steady(most_components)
+      logical :: settled
       type(smoother_back_type) :: back
+      type(error_type), allocatable :: failed
       integer(int64) :: n, length, blocks, b, from, to, seen
       integer :: stat
 
@@ -93,13 +93,16 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the states of the smoother")
          return
       end if
+      call steady_drift_gain(model, steady, failed)
+      if (allocated(failed)) steady = 0.0_dp
       call start_components(model, state)
+      settled = .false.
       seen = 0
       do b = 1, blocks
          start(b) = state
          from = (b - 1)*length + 1
          to = min(n, b*length)
-         call advance_smoother(model, z, from, to, state, settling, step, seen, valid, white)
+         call advance_smoother(model, z, from, to, state, steady, settled, step, seen, valid, white)
          call report_progress("smoothing", to, 2*n, error, progress)
          if (allocated(error)) return
       end do
@@ -111,9 +114,9 @@ contains
       do b = blocks, 1, -1
          from = (b - 1)*length + 1
          to = min(n, b*length)
-         settling = settling_type()
-         if (b < blocks) call advance_smoother(model, z, from, to, start(b), settling, step, seen, &
-            valid, white)
+         settled = .false.
+         if (b < blocks) call advance_smoother(model, z, from, to, start(b), steady, settled, &
+                                              step, seen, valid, white)
          call smooth_back(model, slow, step, from, to, back, drift, variance)
          call report_progress("smoothing", 2*n - from, 2*n, error, progress)
          if (allocated(error)) return
@@ -149,14 +152,17 @@ contains
    end subroutine check_sizes
 
    !> The filter over a block; keeps every step.
-   pure subroutine advance_smoother(model, z, from, to, state, settling, step, seen, valid, white)
+   pure subroutine advance_smoother(model, z, from, to, state, steady, settled, step, seen, &
+                                    valid, white)
       type(component_model_type), intent(in) :: model
       real(dp), intent(in), contiguous :: z(:)
       !> First and last sample
       integer(int64), intent(in) :: from, to
       !> Before the block, behind it afterwards
       type(component_state_type), intent(inout) :: state
-      type(settling_type), intent(inout) :: settling
+      !> Gains that it settles to, and whether it has
+      real(dp), intent(in) :: steady(:)
+      logical, intent(inout) :: settled
       type(smoother_step_type), intent(inout), contiguous :: step(:)
       !> Measurements so far
       integer(int64), intent(inout) :: seen
@@ -177,19 +183,16 @@ contains
             now%counts = here .and. state%started
             now%begins = here .and. .not. state%started
             if (here) seen = seen + 1
-            if (settling%settled .and. here) then
+            if (settled .and. here) then
                state%x(:n) = model%phi(:n)*state%x(:n)
                state%innovation = z(k) - sum(state%x(:n))
                state%x(:n) = state%x(:n) + state%gain(:n)*state%innovation
             else
                call predict_components(model, state)
                if (here) call correct_components(n, r, z(k), state)
-               if (.not. here) then
-                  settling = settling_type()
-               else if (modulo(k, test_interval) == 0 .and. .not. present(white)) then
-                  call judge_settling(settling, &
-                     reshape([state%gain(:n), state%variance], [n + 1, 1]))
-               end if
+               settled = now%counts .and. .not. present(white)
+               if (settled) settled = maxval(abs(state%gain(:n) - steady(:n))) <= &
+                                      settle_distance(maxval(steady(:n)))
             end if
             now%state = state
          end associate

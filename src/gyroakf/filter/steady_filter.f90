@@ -9,16 +9,13 @@ module gyroakf_filter_steady_filter
    use gyroakf_error, only : error_type
    use gyroakf_filter_components, only : component_model_type, most_components
    use gyroakf_filter_derivatives, only : last_lane, product_of, quotient
-   use gyroakf_filter_drift_steady, only : steady_covariance
+   use gyroakf_filter_drift_steady, only : steady_covariance, sum_powers
    implicit none (type, external)
    private
    public :: steady_filter_type, stretch_type, make_steady_filter, run_stretch
 
    !> Below it g is rounding
    real(dp), parameter :: vanished = 1.0e-18_dp
-   !> Doublings for the derivatives of P, and what is left of L at the last of them
-   integer, parameter :: most_doublings = 64
-   real(dp), parameter :: left = 1.0e-9_dp
 
    !> The filter
    type :: steady_filter_type
@@ -45,7 +42,7 @@ module gyroakf_filter_steady_filter
 
 contains
 
-   !> The filter of a model. The derivatives of P solve $ P' = L P' L^T + R $, by doubling.
+   !> The filter of a model. The derivatives of P solve $ P' = L P' L^T + R $: by doubling.
    subroutine make_steady_filter(model, filter, error)
       !> Checked
       type(component_model_type), intent(in) :: model
@@ -54,10 +51,10 @@ contains
       !> As steady_covariance
       type(error_type), allocatable, intent(out) :: error
       real(dp), dimension(most_components, most_components) :: p, l
-      real(dp), dimension(0:last_lane, most_components, most_components) :: rest, half
+      real(dp), dimension(0:last_lane, most_components, most_components) :: rest
       real(dp) :: gain(most_components), share(most_components), s
       logical :: walk
-      integer :: i, j, n, round
+      integer :: i, j, n
 
       call steady_covariance(model, p, error)
       if (allocated(error)) return
@@ -84,20 +81,7 @@ contains
          end do
          rest(n + j, j, j) = rest(n + j, j, j) + filter%q(n + j, j)
       end do
-      do round = 1, most_doublings
-         do j = 1, n
-            do i = 1, n
-               half(:, i, j) = matmul(rest(:, i, :n), l(j, :n))
-            end do
-         end do
-         do j = 1, n
-            do i = 1, n
-               rest(1:, i, j) = rest(1:, i, j) + matmul(half(1:, :n, j), l(i, :n))
-            end do
-         end do
-         if (maxval(abs(l)) < left) exit
-         l = matmul(l, l)
-      end do
+      call sum_powers(l(:n, :n), rest(:, :n, :n))
       filter%p = rest
       filter%p(0, :, :) = p
       filter%s = sum(sum(filter%p, 3), 2)
@@ -145,11 +129,11 @@ contains
       stretch%samples = stretch%samples + size(z, kind=int64)
    end subroutine run_stretch
 
-   !> Hot: a step is $ e = z - \mathbf 1^T x, x \leftarrow L x + \Phi K z, g \leftarrow L^T g $. The
-   !> values v run ahead of the vectors.
+   !> Hot: a step is $ e = z - \mathbf 1^T x, x \leftarrow \Phi (x + K e), g \leftarrow \Phi g -
+   !> \mathbf 1 (\Phi K)^T g $, which keeps the digits of a small K. The values v run ahead of the
+   !> vectors.
    pure subroutine run_steps(n, with_g, filter, z, level, stretch)
-      !> Processes, whether g has not vanished: known where this is called, so that loops are
-      !> unrolled
+      !> Processes, whether g has not vanished: known where this is called, for unrolled loops
       integer, value :: n
       logical, value :: with_g
       type(steady_filter_type), intent(in) :: filter
@@ -158,16 +142,19 @@ contains
       type(stretch_type), intent(inout) :: stretch
       integer :: i, j, m
       real(dp), parameter :: unit(0:last_lane) = [1.0_dp, (0.0_dp, m=1, last_lane)]
-      real(dp), dimension(0:last_lane, most_components) :: x, g, b, gain, next, next_g
-      real(dp), dimension(0:last_lane, most_components, most_components) :: slope, gram
-      real(dp) :: e(0:last_lane), squares(0:last_lane), l(most_components, most_components)
-      real(dp) :: v(most_components), w(most_components), y, value
+      real(dp), dimension(0:last_lane, most_components) :: x, g, b, phi_slope, gain_slope
+      real(dp) :: gram(0:last_lane, most_components, most_components)
+      real(dp), dimension(0:last_lane) :: e, common, squares
+      real(dp), dimension(most_components) :: phi, gain, v, w
+      real(dp) :: y, value
       integer(int64) :: k
 
-      gain = filter%gain
-      l = filter%l(0, :, :)
-      slope = filter%l
-      slope(0, :, :) = 0.0_dp
+      phi = filter%phi(0, :)
+      phi_slope = filter%phi
+      phi_slope(0, :) = 0.0_dp
+      gain = filter%gain(0, :)
+      gain_slope = filter%gain
+      gain_slope(0, :) = 0.0_dp
       x = stretch%x
       v = x(0, :)
       g = stretch%g
@@ -189,44 +176,35 @@ contains
             squares(m) = squares(m) + value*e(m)
          end do
          do i = 1, n
-            w(i) = gain(0, i)*y
             !$omp simd
             do m = 0, last_lane
-               next(m, i) = gain(m, i)*y
+               x(m, i) = (phi(i)*x(m, i) + (phi_slope(m, i)*v(i) + gain_slope(m, i)*value)) &
+                         + gain(i)*e(m)
+            end do
+         end do
+         v(:n) = phi(:n)*v(:n) + gain(:n)*value
+         if (.not. with_g) cycle
+         w(:n) = g(0, :n)
+         common = 0.0_dp
+         do i = 1, n
+            !$omp simd
+            do m = 0, last_lane
+               b(m, i) = b(m, i) + (value*g(m, i) + w(i)*e(m))
+               common(m) = common(m) + (gain(i)*g(m, i) + w(i)*gain_slope(m, i))
             end do
             do j = 1, n
-               w(i) = w(i) + l(i, j)*v(j)
                !$omp simd
                do m = 0, last_lane
-                  next(m, i) = next(m, i) + slope(m, i, j)*v(j)
-               end do
-            end do
-            do j = 1, n
-               !$omp simd
-               do m = 0, last_lane
-                  next(m, i) = next(m, i) + l(i, j)*x(m, j)
+                  gram(m, j, i) = gram(m, j, i) + (w(j)*g(m, i) + w(i)*g(m, j))
                end do
             end do
          end do
-         if (with_g) then
-            do i = 1, n
-               !$omp simd
-               do m = 0, last_lane
-                  b(m, i) = b(m, i) + (value*g(m, i) + g(0, i)*e(m))
-                  next_g(m, i) = 0.0_dp
-               end do
-               do j = 1, n
-                  !$omp simd
-                  do m = 0, last_lane
-                     gram(m, j, i) = gram(m, j, i) + (g(0, j)*g(m, i) + g(0, i)*g(m, j))
-                     next_g(m, i) = next_g(m, i) + (g(0, j)*slope(m, j, i) + l(j, i)*g(m, j))
-                  end do
-               end do
+         do i = 1, n
+            !$omp simd
+            do m = 0, last_lane
+               g(m, i) = (phi(i)*g(m, i) + w(i)*phi_slope(m, i)) - common(m)
             end do
-            g(:, :n) = next_g(:, :n)
-         end if
-         x(:, :n) = next(:, :n)
-         v(:n) = w(:n)
+         end do
       end do
       stretch%x = x
       stretch%g = g
