@@ -58,7 +58,8 @@ module gyroakf
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, &
       design_drift_akf
-   use gyroakf_filter_state_space, only : steady_state, dc_gain, output_variance_ratio
+   use gyroakf_filter_state_space, only : dc_gain, output_variance_ratio
+   use gyroakf_filter_steady_gain, only : steady_state
    ! Drift: models by maximum likelihood, filter, smoothers
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood

@@ -3,8 +3,9 @@
 module test_state_space
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state, &
-      & dc_gain, output_variance_ratio
+   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, &
+      stationary_covariance, dc_gain, output_variance_ratio
+   use gyroakf_filter_steady_gain, only : steady_state
    use filter_library, only : companion_matrix, paper_phi
    use expectations, only : check
    use testdrive, only : error_type, new_unittest, unittest_type

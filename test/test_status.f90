@@ -9,7 +9,7 @@ module test_status
    use gyroakf_error, only : gyro_error => error_type, status, status_texts
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
-   use gyroakf_filter_state_space, only : steady_state
+   use gyroakf_filter_steady_gain, only : steady_state
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type
