@@ -137,8 +137,9 @@ contains
       share%share = 1.0_dp - part_share
       call fit_drift(means%value, coarse, failed, means%present, progress=share)
       if (allocated(failed)) then
-         if (failed%code == status%cancelled .or. failed%code == status%no_memory) &
+         if (failed%code == status%cancelled .or. failed%code == status%no_memory) then
             call move_alloc(failed, error)
+         end if
          return                                     ! too few means: the part says it all
       end if
       call choose_model(coarse, resolved, slow)

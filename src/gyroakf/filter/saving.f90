@@ -159,9 +159,10 @@ contains
       call exchange(box, filter%asked_q)
       call exchange(box, filter%asked_r)
       call exchange(box, filter%drift_model%count)
-      if (filter%drift_model%count < 0 .or. filter%drift_model%count > size(filter%slow)) &
-         box%bad = .true.
-      if (filter%drift_model%count > 0 .and. filter%order /= 1) box%bad = .true.
+      associate (processes => filter%drift_model%count)
+         if (processes < 0 .or. processes > size(filter%slow)) box%bad = .true.
+         if (processes > 0 .and. filter%order /= 1) box%bad = .true.
+      end associate
       call exchange(box, filter%drift_model%phi)
       call exchange(box, filter%drift_model%q)
       call exchange(box, filter%drift_model%r)

@@ -200,7 +200,11 @@ contains
       integer :: pivot(size(measured)), i, n, info, round
 
       n = size(measured)
-      allocate (a(n, n), g(n, n), m(n, n), step(n, n), w(n, 2*n), stat=info)
+      allocate (a(n, n), stat=info)
+      if (info == 0) allocate (g(n, n), stat=info)
+      if (info == 0) allocate (m(n, n), stat=info)
+      if (info == 0) allocate (step(n, n), stat=info)
+      if (info == 0) allocate (w(n, 2*n), stat=info)
       if (info /= 0) then
          call fatal_error(error, status%no_memory, no_memory)
          return
