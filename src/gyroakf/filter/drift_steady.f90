@@ -41,7 +41,7 @@ contains
    !> Newton's steps give the small elements the precision of the large ones. It is solved for the
    !> covariance X behind the measurement, $ P = \Phi X \Phi^T + Q $: for that the next measurement
    !> has the noise $ \rho = r + \sum_i q_i $, which is not 0 where r is, correlated with the
-   !> driving noise; without the part that the measurement tells of, the transition is $ \Phi - Q
+   !> driving noise; without the part known from the measurement, the transition is $ \Phi - Q
    !> \mathbf 1 \phi^T/\rho $ and the noise $ Q - Q \mathbf 1 \mathbf 1^T Q/\rho $.
    subroutine steady_covariance(model, p, error)
       !> Checked (check_components)

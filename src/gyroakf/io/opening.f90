@@ -95,7 +95,8 @@ contains
       if (allocated(error)) return
       if (allocated(header%field)) then
          call move_alloc(header%field, binary%field)
-         call begin_numbers(lines%source%name, size(binary%field, kind=int64), options, table, error, header%names)
+         call begin_numbers(lines%source%name, size(binary%field, kind=int64), options, table, &
+            error, header%names)
       else
          call begin_numbers(lines%source%name, binary%columns, options, table, error)
       end if
