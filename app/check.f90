@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> What no single option can tell: options that exclude each other, files that are missing or would be overwritten.
+!> What no single option can tell: options that exclude each other, files that are missing or would
+!> be overwritten.
 module gyroakf_app_check
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_reader, only : reader_options
    use gyroakf_io_writer, only : is_file
-   use gyroakf_report_files, only : after_dots, document_mark, foreign_file, &
-      foreign_result, is_marked, is_same_file, result_files
+   use gyroakf_report_files, only : after_dots, document_mark, foreign_file, foreign_result, &
+      is_marked, is_same_file, result_files
    use gyroakf_report_kalibr, only : kalibr_mark
    use gyroakf_units, only : unit_type, is_integral, parse_units, quantity
-   use gyroakf_app_config, only : config_type, file_options, has_many_files, is_analysis, reads_files
+   use gyroakf_app_config, only : config_type, file_options, has_many_files, is_analysis, &
+      reads_files
    use gyroakf_app_file_list, only : summary_files, summary_marks
    use gyroakf_app_words, only : words_type, is_given, usage_error
    implicit none (type, external)
@@ -29,9 +31,10 @@ contains
       !> usage
       type(error_type), allocatable, intent(out) :: error
 
-      if (is_given(words, "--rate") .and. is_given(words, "--dt")) then
-         call usage_error(error, "--rate and --dt say the same thing: give one of them")
-      else if (reads_files(config%command)) then
+      call refuse(is_given(words, "--rate") .and. is_given(words, "--dt"), &
+                  "--rate and --dt say the same thing: give one of them", error)
+      if (allocated(error)) return
+      if (reads_files(config%command)) then
          if (has_many_files(config)) then
             call check_many(config, error)
          else if (config%path == "") then
@@ -41,15 +44,24 @@ contains
          end if
          if (.not. allocated(error)) call check_input(config%reader, error)
       else if (words%positional > 1) then
-         call usage_error(error, config%command//" reads no file: '"//words%word(2)%text//"'"// &
-                          trim(merge("; --output FILE writes one", repeat(" ", 26), config%command == "simulate")))
+         call refuse(config%command == "simulate", "simulate reads no file: '"// &
+                     words%word(2)%text//"'; --output FILE writes one", error)
+         call refuse(.true., "selftest reads no file: '"//words%word(2)%text//"'", error)
       else if (config%command == "simulate") then
          call check_simulation(config, error)
       end if
-      if (.not. allocated(error) .and. is_analysis(config%command)) call check_method(words, config, error)
+      if (is_analysis(config%command)) call check_method(words, config, error)
    end subroutine check_job
 
-   !> How the recording is read.
+   !> An error of the command line where a condition holds; an earlier one stays.
+   subroutine refuse(condition, message, error)
+      logical, intent(in) :: condition
+      character(*), intent(in) :: message
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (condition .and. .not. allocated(error)) call usage_error(error, message)
+   end subroutine refuse
+
    subroutine check_input(reader, error)
       type(reader_options), intent(in) :: reader
       type(error_type), allocatable, intent(out) :: error
@@ -57,11 +69,9 @@ contains
       logical :: angles
       integer :: i
 
-      if (reader%from >= reader%to) then
-         call usage_error(error, "--from is not before --to: nothing would be left")
-         return
-      end if
-      if (.not. allocated(reader%unit)) return
+      call refuse(reader%from >= reader%to, &
+                  "--from is not before --to: nothing would be left", error)
+      if (allocated(error) .or. .not. allocated(reader%unit)) return
       call parse_units(reader%unit, unit, error)
       if (allocated(error)) return
       angles = .false.
@@ -69,55 +79,47 @@ contains
       do i = 1, size(unit)
          if (angles .eqv. is_integral(unit(i))) cycle
          if (angles) then
-            call usage_error(error, "with --input "//reader%input//" the unit is that of the angle: rad, deg, "// &
-                             "arcsec, or of the velocity: m/s, not '"//unit(i)%name//"'")
+            call refuse(.true., &
+               "with --input "//reader%input//" the unit is that of the angle: "// &
+               "rad, deg, arcsec, or of the velocity: m/s, not '"//unit(i)%name//"'", error)
          else
-            call usage_error(error, "'"//unit(i)%name//"' is the unit of "// &
-                             trim(merge("a velocity", "an angle  ", unit(i)%quantity == quantity%velocity))// &
-                             ": say --input increment or --input angle, or name the unit of a rate")
+            call refuse(.true., "'"//unit(i)%name//"' is the unit of "// &
+               trim(merge("a velocity", "an angle  ", unit(i)%quantity == quantity%velocity))// &
+               ": say --input increment or --input angle, or name the unit of a rate", error)
          end if
-         return
       end do
    end subroutine check_input
 
-   !> What is computed.
    subroutine check_method(words, config, error)
       type(words_type), intent(in) :: words
       type(config_type), intent(in) :: config
-      type(error_type), allocatable, intent(out) :: error
-      character(19), parameter :: of_outliers(2) = [character(19) :: "--outlier-threshold", "--outlier-rounds"]
-      integer :: i
+      type(error_type), allocatable, intent(inout) :: error
 
-      associate (pipeline => config%pipeline)
-         do i = 1, size(of_outliers)
-            if (pipeline%clean%method == "none" .and. is_given(words, of_outliers(i))) then
-               call usage_error(error, trim(of_outliers(i))//" without --outliers: no outliers are looked for")
-               return
-            end if
-         end do
-         if (is_given(words, "--outlier-window") .and. pipeline%clean%method /= "hampel") then
-            call usage_error(error, "--outlier-window goes with --outliers hampel: the other rules have no window")
-         else if (pipeline%ar%order > pipeline%ar%max_order) then
-            call usage_error(error, "--order is larger than --max-order")
-         else if (pipeline%noise%tau_min >= pipeline%noise%tau_max) then
-            call usage_error(error, "--fit-tau-min is not below --fit-tau-max: nothing would be fitted")
-         end if
+      associate (pipeline => config%pipeline, method => config%pipeline%clean%method)
+         call refuse(method == "none" .and. is_given(words, "--outlier-threshold"), &
+                     "--outlier-threshold without --outliers: no outliers are looked for", error)
+         call refuse(method == "none" .and. is_given(words, "--outlier-rounds"), &
+                     "--outlier-rounds without --outliers: no outliers are looked for", error)
+         call refuse(method /= "hampel" .and. is_given(words, "--outlier-window"), &
+            "--outlier-window goes with --outliers hampel: the other rules have no window", error)
+         call refuse(pipeline%ar%order > pipeline%ar%max_order, &
+                     "--order is larger than --max-order", error)
+         call refuse(pipeline%noise%tau_min >= pipeline%noise%tau_max, &
+                     "--fit-tau-min is not below --fit-tau-max: nothing would be fitted", error)
       end associate
    end subroutine check_method
 
-   !> The simulated record and its files.
    subroutine check_simulation(config, error)
       type(config_type), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
 
       associate (record => config%record)
-         if (allocated(record%ar) .neqv. record%ar_variance > 0) then
-            call usage_error(error, "--ar and --ar-variance go together")
-         else if (record%outliers > 0 .neqv. abs(record%outlier_size) > 0) then
-            call usage_error(error, "--outlier-count and --outlier-size go together")
-         else if (is_same_file(config%truth, config%output)) then
-            call usage_error(error, "--output and --truth name the same file '"//config%truth//"'")
-         end if
+         call refuse(allocated(record%ar) .neqv. record%ar_variance > 0, &
+                     "--ar and --ar-variance go together", error)
+         call refuse(record%outliers > 0 .neqv. abs(record%outlier_size) > 0, &
+                     "--outlier-count and --outlier-size go together", error)
+         call refuse(is_same_file(config%truth, config%output), &
+                     "--output and --truth name the same file '"//config%truth//"'", error)
       end associate
    end subroutine check_simulation
 
@@ -125,41 +127,36 @@ contains
    subroutine check_many(config, error)
       type(config_type), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: option
       integer :: i, inputs
 
       inputs = merge(1, 0, config%list == "-")
-      associate (target => config%file)
-         do i = 1, size(config%paths)
-            if (config%paths(i)%text == "-") then
-               inputs = inputs + 1
-            else if (is_same_file(config%paths(i)%text, target(1)%text)) then
-               call usage_error(error, "--json would overwrite the recording '"//target(1)%text//"'")
-               return
-            end if
-         end do
-         if (inputs > 1) then
-            call usage_error(error, "standard input ('-') can be read once")
-         else if (config%truth /= "") then
-            call usage_error(error, "--truth is that of one recording; many files have one each: give them one by one")
-         end if
-         do i = 2, size(target)
-            if (target(i)%text == "" .or. allocated(error)) cycle
-            if (config%out == "") then
-               call usage_error(error, trim(file_options(i))//" with many files needs --out: it is written into the "// &
-                                "folder of each")
-            else if (scan(target(i)%text, "/") > 0 .or. target(i)%text == "-") then
-               call usage_error(error, trim(file_options(i))//" with many files needs a name without a folder: it is "// &
-                                "written into that of each")
-            else if (any(result_files == target(i)%text)) then
-               call usage_error(error, trim(file_options(i))//" and --out name the same file '"//target(i)%text//"'")
-            end if
-         end do
-      end associate
+      do i = 1, size(config%paths)
+         if (config%paths(i)%text == "-") inputs = inputs + 1
+         call refuse(config%paths(i)%text /= "-" .and. &
+                     is_same_file(config%paths(i)%text, config%file(1)%text), &
+                     "--json would overwrite the recording '"//config%file(1)%text//"'", error)
+      end do
+      call refuse(inputs > 1, "standard input ('-') can be read once", error)
+      call refuse(config%truth /= "", "--truth is that of one recording; many files have one "// &
+                  "each: give them one by one", error)
+      do i = 2, size(config%file)
+         option = trim(file_options(i))
+         associate (target => config%file(i)%text)
+            if (target == "") cycle
+            call refuse(config%out == "", option//" with many files needs --out: it is written "// &
+                        "into the folder of each", error)
+            call refuse(scan(target, "/") > 0 .or. target == "-", option//" with many files "// &
+                        "needs a name without a folder: it is written into that of each", error)
+            call refuse(any(result_files == target), &
+                        option//" and --out name the same file '"//target//"'", error)
+         end associate
+      end do
       if (.not. allocated(error)) call check_different(config, 2, error)
    end subroutine check_many
 
-   !> Files that are no results of gyroakf are kept, records and files of options too, unless --force says otherwise: found out
-   !> before anything is read.
+   !> Files that are no results of gyroakf are kept, records and files of options too, unless
+   !> --force says otherwise: found out before anything is read.
    subroutine check_existing(config, error)
       !> A checked job
       type(config_type), intent(in) :: config
@@ -185,7 +182,8 @@ contains
          if (path == "") path = existing(config%output)
          if (path == "") path = existing(config%truth)
       end if
-      if (path /= "") call fatal_error(error, status%io, path//": already exists; use --force to overwrite it")
+      if (path == "") return
+      call fatal_error(error, status%io, path//": already exists; use --force to overwrite it")
    end subroutine check_existing
 
    !> The path where a file is there that was not written by gyroakf, else "".
@@ -208,29 +206,26 @@ contains
    subroutine check_outputs(config, error)
       type(config_type), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: option
       integer :: i
 
       do i = 1, size(config%file)
+         option = trim(file_options(i))
          associate (target => config%file(i)%text)
             if (target == "" .or. target == "-") cycle
-            if (is_same_file(config%path, target)) then
-               call usage_error(error, trim(file_options(i))//" would overwrite the recording '"// &
-                                config%path(after_dots(config%path):)//"'")
-            else if (is_result(config%out, target)) then
-               call usage_error(error, trim(file_options(i))//" and --out name the same file '"//target//"'")
-            else if (is_same_file(target, config%truth)) then
-               call usage_error(error, "a result would overwrite the true drift '"//config%truth//"'")
-            end if
+            call refuse(is_same_file(config%path, target), option//" would overwrite the "// &
+               "recording '"//config%path(after_dots(config%path):)//"'", error)
+            call refuse(is_result(config%out, target), &
+                        option//" and --out name the same file '"//target//"'", error)
+            call refuse(is_same_file(target, config%truth), &
+                        "a result would overwrite the true drift '"//config%truth//"'", error)
          end associate
-         if (allocated(error)) return
       end do
-      if (is_result(config%out, config%truth)) then
-         call usage_error(error, "a result would overwrite the true drift '"//config%truth//"'")
-      else
-         call check_different(config, 1, error)
-      end if
-      if (allocated(error) .or. .not. is_result(config%out, config%path)) return
-      call usage_error(error, "--out would overwrite the recording '"//config%path(after_dots(config%path):)//"'")
+      call refuse(is_result(config%out, config%truth), &
+                  "a result would overwrite the true drift '"//config%truth//"'", error)
+      if (.not. allocated(error)) call check_different(config, 1, error)
+      call refuse(is_result(config%out, config%path), "--out would overwrite the recording '"// &
+                  config%path(after_dots(config%path):)//"'", error)
    end subroutine check_outputs
 
    !> No two options write the same file, or both standard output.
@@ -239,21 +234,18 @@ contains
       !> Options that are compared: from this one on
       integer, intent(in) :: first
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: options
+      character(:), allocatable :: both
       integer :: i, j
 
       do i = first + 1, size(config%file)
          do j = first, i - 1
             associate (target => config%file(i)%text)
                if (.not. is_same_file(target, config%file(j)%text)) cycle
-               options = trim(file_options(j))//" and "//trim(file_options(i))
-               if (target == "-") then
-                  call usage_error(error, options//" would both be on standard output ('-')")
-               else
-                  call usage_error(error, options//" name the same file '"//config%file(j)%text//"'")
-               end if
+               both = trim(file_options(j))//" and "//trim(file_options(i))
+               call refuse(target == "-", both//" would both be on standard output ('-')", error)
+               call refuse(target /= "-", &
+                  both//" name the same file '"//config%file(j)%text//"'", error)
             end associate
-            return
          end do
       end do
    end subroutine check_different

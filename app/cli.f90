@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> From the words of the command line to a configuration.
 !>
-!> First the words are sorted ([[gyroakf_app_words]]); the first one that is no option may be a command. Then the options
-!> are checked against the command and applied: --preset first, the others in order on top of it.
+!> First the words are sorted ([[gyroakf_app_words]]); the first one that is no option may be a
+!> command. Then the options are checked against the command and applied: --preset first, the others
+!> in order on top of it.
 module gyroakf_app_cli
    use gyroakf_error, only : error_type
    use gyroakf_io_place, only : integer_text
@@ -11,13 +12,13 @@ module gyroakf_app_cli
    use gyroakf_app_completion, only : completion_text
    use gyroakf_app_config, only : config_type, new_config, reads_files
    use gyroakf_app_config_file, only : add_config, config_text
-   use gyroakf_app_help, only : program_help, command_help, version_text, citation_text, manual_text
-   use gyroakf_app_option, only : option_type, options, all_names, command_names, find_option, belongs_to, suggest_word, &
-      takes_value
+   use gyroakf_app_help, only : citation_text, command_help, manual_text, program_help, version_text
+   use gyroakf_app_option, only : belongs_to, commands_of, find_option, suggest_word, takes_value
+   use gyroakf_app_option_table, only : all_names, option_type, options
    use gyroakf_app_settings, only : apply_option
    use gyroakf_app_value, only : value_type, convert_value
-   use gyroakf_app_words, only : words_type, sort_words, is_given, value_of, shell_word, usage_error, &
-      joined
+   use gyroakf_app_words, only : is_given, joined, names_command, shell_word, sort_words, &
+      usage_error, value_of, words_type
    implicit none (type, external)
    private
    public :: get_config
@@ -34,7 +35,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(words_type) :: words
       character(:), allocatable :: command
-      integer :: first
+      integer :: first, i
 
       call sort_words(arguments, words, error)
       if (.not. allocated(error)) call take_verb(words, error)
@@ -46,7 +47,10 @@ contains
       if (config%command == "help") return
       call make_job(words, command, first, config, error)
       if (allocated(error)) return
-      config%command_line = typed_line(arguments)
+      config%command_line = "gyroakf"
+      do i = 1, size(arguments)
+         config%command_line = config%command_line//" "//shell_word(arguments(i)%text)
+      end do
       if (reads_files(command)) config%input_options = options_of("input", words, command)
    end subroutine get_config
 
@@ -64,56 +68,36 @@ contains
          words%word = words%word(2:)
          words%positional = words%positional - 1
          if (words%positional == 0) return
-         if (all(all_names /= words%word(1)%text)) call unknown_command(words%word(1)%text, "", error)
+         if (any(all_names == words%word(1)%text)) cycle
+         call unknown_command(words%word(1)%text, "", error)
+         return
       end do
    end subroutine take_verb
 
-   !> The command line as it would be typed.
-   function typed_line(arguments) result(line)
-      type(text_type), intent(in) :: arguments(:)
-      character(:), allocatable :: line
-      integer :: i
-
-      line = "gyroakf"
-      do i = 1, size(arguments)
-         line = line//" "//shell_word(arguments(i)%text)
-      end do
-   end function typed_line
-
-   !> The command among the words that are no options, and the first file.
+   !> The command among the words that are no options, and the first file. A first word that is no
+   !> command is meant as one where another word follows or no such file is there.
    subroutine find_command(words, command, first, error)
       type(words_type), intent(in) :: words
       character(:), allocatable, intent(out) :: command
       !> Number of the word
       integer, intent(out) :: first
       type(error_type), allocatable, intent(out) :: error
+      logical :: there
 
       command = "run"
       first = 1
-      if (words%positional == 0) return
-      if (any(command_names == words%word(1)%text) .and. .not. words%behind_dashes) then
+      if (names_command(words)) then
          command = words%word(1)%text
          first = 2
-      else
-         call check_command(words, error)
+      else if (words%positional > 0 .and. .not. words%behind_dashes) then
+         associate (word => words%word(1)%text)
+            if (word == "-" .or. scan(word, "./\") > 0) return
+            inquire (file=word, exist=there)
+            if (there .or. (words%positional == 1 .and. suggest_word(word, all_names) == "")) return
+            call unknown_command(word, ", and no file of that name", error)
+         end associate
       end if
    end subroutine find_command
-
-   !> The first word is no command: is it meant as one? Yes where another word follows or no such file is there.
-   subroutine check_command(words, error)
-      type(words_type), intent(in) :: words
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: word
-      logical :: there
-
-      word = words%word(1)%text
-      if (words%behind_dashes .or. word == "-" .or. scan(word, "./\") > 0) return
-      inquire (file=word, exist=there)
-      if (there) return
-      if (words%positional > 1 .or. suggest_word(word, all_names) /= "") then
-         call unknown_command(word, ", and no file of that name", error)
-      end if
-   end subroutine check_command
 
    !> A word that is no command, with the nearest one, or all.
    subroutine unknown_command(word, and, error)
@@ -125,13 +109,15 @@ contains
 
       known = suggest_word(word, all_names)
       if (known /= "") then
-         call usage_error(error, "unknown command '"//word//"'"//and//"; the nearest command is '"//known//"'")
+         known = and//"; the nearest command is '"//known//"'"
       else
-         call usage_error(error, "unknown command '"//word//"'; the commands are "//joined(all_names, ", "))
+         known = "; the commands are "//joined(all_names, ", ")
       end if
+      call usage_error(error, "unknown command '"//word//"'"//known)
    end subroutine unknown_command
 
-   !> --help, --version, --citation, --man and --completion go before everything else: then the command is help.
+   !> --help, --version, --citation, --man and --completion go before everything else: then the
+   !> command is help.
    subroutine make_text(words, config, error)
       type(words_type), intent(in) :: words
       type(config_type), intent(out) :: config
@@ -144,9 +130,7 @@ contains
          select case (options(words%given(i)%row)%name)
          case ("--help")
             config%text = program_help(whole=words%given(i)%value == "all")
-            if (words%positional > 0) then
-               if (any(command_names == words%word(1)%text)) config%text = command_help(words%word(1)%text)
-            end if
+            if (names_command(words)) config%text = command_help(words%word(1)%text)
          case ("--version"); config%text = version_text()
          case ("--citation"); config%text = citation_text()
          case ("--man"); config%text = manual_text()
@@ -178,11 +162,11 @@ contains
       call apply_options(words, config, .false., error)
       if (allocated(error)) return
       force = config%force
-      if (is_given(words, "--write-config") .and. reads_files(command) .and. config%path == "" .and. config%list == "") then
-         call new_config("help", config)                            ! no recording: nothing but that file
-         config%force = force
-      end if
       if (is_given(words, "--write-config")) then
+         if (reads_files(command) .and. config%path == "" .and. config%list == "") then
+            call new_config("help", config)                  ! no recording: nothing but that file
+            config%force = force
+         end if
          config%options_file = value_of(words, "--write-config")
          config%options_text = config_text(words, command, first)
       end if
@@ -193,19 +177,20 @@ contains
                       integer_text(config%record%seed)
    end subroutine make_job
 
-   !> The options of a group as they were given, each after a blank; of a record without its files and its seed.
+   !> The options of a group as they were given, each after a blank; of a record without its files
+   !> and its seed.
    function options_of(group, words, command) result(text)
       character(*), intent(in) :: group
       type(words_type), intent(in) :: words
       character(*), intent(in) :: command
       character(:), allocatable :: text
-      character(8), parameter :: not_of_the_record(3) = [character(8) :: "--output", "--truth", "--seed"]
       integer :: i
 
       text = ""
       do i = 1, words%used
          associate (option => options(find_option(options(words%given(i)%row)%name, command)))
-            if (option%group /= group .or. any(option%name == not_of_the_record)) cycle
+            if (option%group /= group) cycle
+            if (any(option%name == [character(8) :: "--output", "--truth", "--seed"])) cycle
             text = text//" "//trim(option%name)
             if (takes_value(option)) text = text//" "//shell_word(words%given(i)%value)
          end associate
@@ -225,8 +210,8 @@ contains
          associate (given => words%given(i))
             option = options(find_option(options(given%row)%name, config%command))
             if (.not. belongs_to(option, config%command)) then
-               call usage_error(error, "option '"//trim(option%name)//"' is not one of '"//config%command// &
-                                "'; it belongs to: "//trim(option%commands))
+               call usage_error(error, "option '"//trim(option%name)//"' is not one of '"// &
+                  config%command//"'; it belongs to: "//trim(commands_of(option)))
             else if (preset .eqv. option%name == "--preset") then
                call apply_option(config, option, given%value, error)
             end if

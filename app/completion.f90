@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Completion scripts for bash, zsh and fish: `gyroakf --completion SHELL`, made from the table of options.
+!> Completion scripts for bash, zsh and fish: `gyroakf --completion SHELL`, made from the table of
+!> options.
 module gyroakf_app_completion
    use gyroakf_spelling, only : replace_all
-   use gyroakf_app_option, only : option_type, options, commands, command_names, explained, belongs_to, takes_value
+   use gyroakf_app_option, only : belongs_to, commands_of, explained, takes_value
+   use gyroakf_app_option_table, only : command_names, commands, option_type, options
    use gyroakf_app_words, only : joined, quoted => shell_quoted
    implicit none (type, external)
    private
@@ -31,24 +33,28 @@ contains
       integer :: i, j
 
       text = "# bash completion of gyroakf; made by: gyroakf --completion bash"//nl// &
-         "_gyroakf() {"//nl// &
-         "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} command=run words="//nl// &
-         "  case ${COMP_WORDS[1]} in"//nl//"    "//joined(command_names, "|")//") command=${COMP_WORDS[1]} ;;"//nl//"  esac"//nl// &
-         "  case $command:$prev in"//nl
+         "_gyroakf() {"//nl//"  local cur=${COMP_WORDS[COMP_CWORD]} "// &
+         "prev=${COMP_WORDS[COMP_CWORD-1]} command=run words="//nl// &
+         "  case ${COMP_WORDS[1]} in"//nl//"    "//joined(command_names, "|")// &
+         ") command=${COMP_WORDS[1]} ;;"//nl//"  esac"//nl//"  case $command:$prev in"//nl
       do i = 1, size(options)
          if (options(i)%kind(:6) /= "choice") cycle
          list = ""
          do j = 1, size(command_names)
-            if (belongs_to(options(i), command_names(j))) list = list//"|"//trim(command_names(j))//":"//trim(options(i)%name)
+            if (.not. belongs_to(options(i), command_names(j))) cycle
+            list = list//"|"//trim(command_names(j))//":"//trim(options(i)%name)
          end do
-         text = text//"    "//list(2:)//") words='"//spaced(trim(options(i)%value))//"' ;;"//nl
+         text = text//"    "//list(2:)//") words='"//spaced(options(i)%value)//"' ;;"//nl
       end do
-      text = text//"  esac"//nl//"  if [ -z ""$words"" ] && [[ $cur == -* ]]; then"//nl//"    case $command in"//nl
+      text = text//"  esac"//nl//"  if [ -z ""$words"" ] && [[ $cur == -* ]]; then"//nl// &
+         "    case $command in"//nl
       do j = 1, size(command_names)
-         text = text//"      "//trim(command_names(j))//") words='"//names_of(command_names(j))//"' ;;"//nl
+         text = text//"      "//trim(command_names(j))//") words='"//names_of(command_names(j))// &
+            "' ;;"//nl
       end do
       text = text//"    esac"//nl//"  fi"//nl// &
-         "  [[ $COMP_CWORD -gt 1 && $prev != help || $cur == -* ]] || words='"//joined(command_names, " ")//" help version'"//nl// &
+         "  [[ $COMP_CWORD -gt 1 && $prev != help || $cur == -* ]] || words='"// &
+         joined(command_names, " ")//" help version'"//nl// &
          '  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")'//nl//"}"//nl// &
          "complete -o default -o bashdefault -F _gyroakf gyroakf"//nl
    end function bash_text
@@ -58,27 +64,27 @@ contains
       character(:), allocatable :: text
       integer :: i, j
 
-      text = "#compdef gyroakf"//nl//"# zsh completion of gyroakf; made by: gyroakf --completion zsh"//nl// &
+      text = "#compdef gyroakf"//nl// &
+         "# zsh completion of gyroakf; made by: gyroakf --completion zsh"//nl// &
          "local command=run"//nl//"case ${words[2]} in"//nl// &
          "  "//joined(command_names, "|")//") command=${words[2]} ;;"//nl//"esac"//nl// &
          "if (( CURRENT == 2 )) && [[ ${words[2]} != -* ]]; then"//nl//"  local -a commands=("//nl
-      do i = 1, size(commands)
-         text = text//"    "//quoted(trim(commands(i)%name)//":"//trim(commands(i)%purpose))//nl
+      do i = 1, size(commands, 2)
+         text = text//"    "//quoted(trim(commands(1, i))//":"//trim(commands(2, i)))//nl
       end do
       text = text//"  )"//nl//"  _describe command commands"//nl//"fi"//nl//"case $command in"//nl
       do j = 1, size(command_names)
          text = text//"  "//trim(command_names(j))//") _arguments -s \"//nl
          do i = 1, size(options)
             if (.not. belongs_to(options(i), command_names(j))) cycle
-            text = text//"    "//quoted(zsh_spec(options(i), options(i)%name))//" \"//nl
-            if (options(i)%short /= "") text = text//"    "//quoted(zsh_spec(options(i), options(i)%short))//" \"//nl
+            text = text//zsh_spec(options(i), options(i)%name)
+            if (options(i)%short /= "") text = text//zsh_spec(options(i), options(i)%short)
          end do
          text = text//"    '*:file:_files' ;;"//nl
       end do
       text = text//"esac"//nl
    end function zsh_text
 
-   !> An option as _arguments has it.
    function zsh_spec(option, name) result(spec)
       type(option_type), intent(in) :: option
       !> The long or the short one
@@ -92,14 +98,14 @@ contains
          call replace_all(spec, escaped(i:i), "\"//escaped(i:i))
       end do
       spec = trim(name)//"["//spec//"]"
-      if (.not. takes_value(option)) return
       if (option%kind(:6) == "choice") then
-         spec = spec//":value:("//spaced(trim(option%value))//")"
+         spec = spec//":value:("//spaced(option%value)//")"
       else if (any(option%value == ["FILE", "DIR "])) then
          spec = spec//":file:_files"
-      else
+      else if (takes_value(option)) then
          spec = spec//":value: "
       end if
+      spec = "    "//quoted(spec)//" \"//nl
    end function zsh_spec
 
    !> fish: a line for each option, with the commands that know it.
@@ -108,19 +114,19 @@ contains
       integer :: i
 
       text = "# fish completion of gyroakf; made by: gyroakf --completion fish"//nl
-      do i = 1, size(commands)
-         text = text//"complete -c gyroakf -n __fish_use_subcommand -a "//trim(commands(i)%name)//" -d "// &
-            quoted(trim(commands(i)%purpose))//nl
+      do i = 1, size(commands, 2)
+         text = text//"complete -c gyroakf -n __fish_use_subcommand -a "//trim(commands(1, i))// &
+            " -d "//quoted(trim(commands(2, i)))//nl
       end do
       do i = 1, size(options)
-         condition = "__fish_seen_subcommand_from "//trim(options(i)%commands)
+         condition = "__fish_seen_subcommand_from "//trim(commands_of(options(i)))
          if (belongs_to(options(i), "run")) condition = condition// &
             "; or not __fish_seen_subcommand_from "//joined(command_names, " ")
-         text = text//"complete -c gyroakf -n "//quoted(condition)//" -l "//trim(options(i)%name(3:))//" -d "// &
-            quoted(explained(options(i)))
+         text = text//"complete -c gyroakf -n "//quoted(condition)//" -l "// &
+            trim(options(i)%name(3:))//" -d "//quoted(explained(options(i)))
          if (options(i)%short /= "") text = text//" -s "//options(i)%short(2:)
          if (options(i)%kind(:6) == "choice") then
-            text = text//" -x -a "//quoted(spaced(trim(options(i)%value)))
+            text = text//" -x -a "//quoted(spaced(options(i)%value))
          else if (takes_value(options(i))) then
             text = text//" -r"
          end if
@@ -128,7 +134,6 @@ contains
       end do
    end function fish_text
 
-   !> The options that a command knows.
    function names_of(command) result(list)
       character(*), intent(in) :: command
       character(:), allocatable :: list
@@ -148,7 +153,7 @@ contains
       character(*), intent(in) :: words
       character(:), allocatable :: list
 
-      list = words
+      list = trim(words)
       call replace_all(list, "|", " ")
    end function spaced
 

@@ -49,16 +49,19 @@ module gyroakf_app_config
       !> Colours of the report: "auto", "always", "never"; no signs beyond ASCII in it
       character(6) :: colour = "auto"
       logical :: ascii = .false.
-      !> Draw the Allan deviation in characters; the report has everything, not the first screen alone
+      !> Draw the Allan deviation in characters; the report has everything, not the first screen
+      !> alone
       logical :: chart = .true., details = .false.
-      !> The simulated record, its file ("-" is standard output), and the command line that makes it again, the seed included
+      !> The simulated record, its file ("-" is standard output), and the command line that makes it
+      !> again, the seed included
       type(simulate_options) :: record
       character(:), allocatable :: output, origin
    end type config_type
 
 contains
 
-   !> The defaults of a command: run cleans the record, the others take it as it is and do only the stages that they name.
+   !> The defaults of a command: run cleans the record, the others take it as it is and do only the
+   !> stages that they name.
    subroutine new_config(command, config)
       !> A known command, or help
       character(*), intent(in) :: command

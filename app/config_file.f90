@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Options in a file: `--config FILE` reads it, `--write-config FILE` writes it, so that a run can be repeated.
+!> Options in a file: `--config FILE` reads it, `--write-config FILE` writes it, so that a run can
+!> be repeated.
 !>
-!> A line is `name = value`, the name that of an option without its dashes (or `command`, `files`), the value a number, true or
-!> false, or a text in quotes; # begins a comment. That is a part of TOML.
+!> A line is `name = value`, the name that of an option without its dashes (or `command`, `files`),
+!> the value a number, true or false, or a text in quotes; # begins a comment. That is a part of
+!> TOML.
 module gyroakf_app_config_file
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -10,10 +12,10 @@ module gyroakf_app_config_file
    use gyroakf_record, only : text_type
    use gyroakf_release, only : release_string
    use gyroakf_app_config_value, only : read_value, quoted
-   use gyroakf_app_file_list, only : read_text
-   use gyroakf_app_option, only : options, command_names, find_option, explained, belongs_to, takes_value, &
-      & suggest_option
-   use gyroakf_app_words, only : given_type, words_type, is_given, value_of
+   use gyroakf_app_file_list, only : read_lines
+   use gyroakf_app_option, only : belongs_to, explained, find_option, suggest_option, takes_value
+   use gyroakf_app_option_table, only : command_names, options
+   use gyroakf_app_words, only : given_type, is_given, names_command, value_of, words_type
    implicit none (type, external)
    private
    public :: add_config, config_text
@@ -22,7 +24,8 @@ module gyroakf_app_config_file
 
 contains
 
-   !> Puts the options of a file before those of the command line, and its command and files where the line names none.
+   !> Puts the options of a file before those of the command line, and its command and files where
+   !> the line names none.
    subroutine add_config(path, words, error)
       !> The file, "-" is standard input
       character(*), intent(in) :: path
@@ -31,28 +34,22 @@ contains
       !> io, parse: with the line
       type(error_type), allocatable, intent(out) :: error
       type(words_type) :: more
-      character(:), allocatable :: text, command
-      integer :: first, length
-      integer(int64) :: line
+      type(text_type), allocatable :: lines(:)
+      character(:), allocatable :: command
+      integer :: i
 
-      call read_text(path, "is no file of options", "gyroakf --write-config FILE writes one", text, error)
+      call read_lines(path, "is no file of options", "gyroakf --write-config FILE writes one", &
+                      lines, error)
       if (allocated(error)) return
-      allocate (more%given(count([(text(first:first) == nl, first=1, len(text))]) + 1), more%word(0))
+      allocate (more%given(size(lines)), more%word(0))
       command = ""
-      first = 1
-      line = 0
-      do while (first <= len(text))
-         length = index(text(first:), nl) - 1
-         if (length < 0) length = len(text) - first + 1
-         line = line + 1
-         call read_line(text(first:first + length - 1), path//":"//integer_text(line), more, command, error)
+      do i = 1, size(lines)
+         call read_line(lines(i)%text, path//":"//integer_text(int(i, int64)), more, command, error)
          if (allocated(error)) return
-         first = first + length + 1
       end do
       call join(more, command, words)
    end subroutine add_config
 
-   !> One line.
    subroutine read_line(line, place, more, command, error)
       character(*), intent(in) :: line
       !> FILE:LINE
@@ -70,7 +67,8 @@ contains
       if (line(first:first) == "#") return
       equals = index(line, "=")
       if (equals <= first) then
-         call fatal_error(error, status%parse, place//": no 'name = value'"//nl//line//nl//"# begins a comment")
+         call fatal_error(error, status%parse, place//": no 'name = value'"//nl//line//nl// &
+                          "# begins a comment")
          return
       end if
       name = line(first:verify(line(:equals - 1), white, back=.true.))
@@ -83,13 +81,13 @@ contains
       case ("files"); more%word = value
       case ("command")
          command = value(1)%text
-         if (.not. any(command_names == command)) call fatal_error(error, status%parse, place//": unknown command '"//command//"'")
+         if (any(command_names == command)) return
+         call fatal_error(error, status%parse, place//": unknown command '"//command//"'")
       case default
          call add_option("--"//name, value, place, more, error)
       end select
    end subroutine read_line
 
-   !> An option of the file.
    subroutine add_option(name, value, place, more, error)
       !> With its dashes
       character(*), intent(in) :: name
@@ -99,28 +97,31 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: known
       integer :: row
+      logical :: is_flag
 
       row = find_option(name, "")
       if (row > 0) then
          if (options(row)%group == "common") row = 0
       end if
+      if (row > 0) is_flag = .not. takes_value(options(row))
       if (row == 0) then
          known = suggest_option(name)
          if (known == name) known = ""
          if (known /= "") known = "; the nearest is '"//known(3:)//"'"
-         call fatal_error(error, status%parse, place//": no option of a file: '"//name(3:)//"'"//known)
+         call fatal_error(error, status%parse, &
+            place//": no option of a file: '"//name(3:)//"'"//known)
       else if (size(value) /= 1) then
          call fatal_error(error, status%parse, place//": only 'files' has a list; '"//name(3:)// &
                           "' has one value, which may hold commas: """//"gx,gy"//"""")
-      else if (.not. takes_value(options(row)) .and. all(value(1)%text /= ["true ", "false"])) then
+      else if (is_flag .and. all(value(1)%text /= ["true ", "false"])) then
          call fatal_error(error, status%parse, place//": '"//name(3:)//"' is true or false")
       end if
       if (allocated(error)) return
-      if (.not. takes_value(options(row)) .and. value(1)%text == "false") return
+      if (is_flag .and. value(1)%text == "false") return
       more%used = more%used + 1
       more%given(more%used)%row = row
       more%given(more%used)%value = value(1)%text
-      if (.not. takes_value(options(row))) more%given(more%used)%value = ""
+      if (is_flag) more%given(more%used)%value = ""
       more%given(more%used)%place = place
    end subroutine add_option
 
@@ -144,35 +145,29 @@ contains
          n = n + 1
          given(n) = more%given(i)
       end do
-      do i = 1, words%used
-         given(n + i) = words%given(i)
-      end do
+      given(n + 1:n + words%used) = words%given(:words%used)
       words%used = n + words%used
       call move_alloc(given, words%given)
-      named = .false.
-      if (words%positional > 0 .and. .not. words%behind_dashes) named = any(command_names == words%word(1)%text)
+      named = names_command(words)
       allocate (word(words%positional + size(more%word) + 1))
       n = 0
       if (command /= "" .and. .not. named) then
          n = 1
          word(1)%text = command
+         words%behind_dashes = .false.
       end if
-      do i = 1, words%positional
-         n = n + 1
-         word(n)%text = words%word(i)%text
-      end do
+      word(n + 1:n + words%positional) = words%word(:words%positional)
+      n = n + words%positional
       if (words%positional == merge(1, 0, named)) then
-         do i = 1, size(more%word)
-            n = n + 1
-            word(n)%text = more%word(i)%text
-         end do
+         word(n + 1:n + size(more%word)) = more%word
+         n = n + size(more%word)
       end if
       call move_alloc(word, words%word)
       words%positional = n
-      if (command /= "" .and. .not. named) words%behind_dashes = .false.
    end subroutine join
 
-   !> Whether the line says otherwise what an option of the file says by another name, or what only goes with another option.
+   !> Whether the line says otherwise what an option of the file says by another name, or what only
+   !> goes with another option.
    pure logical function is_replaced(name, words)
       character(*), intent(in) :: name
       type(words_type), intent(in) :: words
@@ -180,12 +175,14 @@ contains
       select case (name)
       case ("--rate"); is_replaced = is_given(words, "--dt")
       case ("--dt"); is_replaced = is_given(words, "--rate")
-      case ("--outlier-threshold", "--outlier-rounds", "--outlier-window"); is_replaced = is_given(words, "--outliers")
+      case ("--outlier-threshold", "--outlier-rounds", "--outlier-window")
+         is_replaced = is_given(words, "--outliers")
       case default; is_replaced = .false.
       end select
    end function is_replaced
 
-   !> The file that repeats a command line: what was given, and all else that the command knows as comments.
+   !> The file that repeats a command line: what was given, and all else that the command knows as
+   !> comments.
    function config_text(words, command, first) result(text)
       !> The command line with the options of --config
       type(words_type), intent(in) :: words
@@ -195,40 +192,32 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = "# Options of gyroakf "//release_string//": gyroakf --config FILE runs with them, those of the line come on top."// &
-             nl//"command = "//quoted(command)//nl
+      text = "# Options of gyroakf "//release_string//": gyroakf --config FILE runs with them, "// &
+         "those of the line come on top."//nl//"command = "//quoted(command)//nl
       if (words%positional >= first) then
-         text = text//"files = ["
-         do i = first, words%positional
-            if (i > first) text = text//", "
-            text = text//quoted(words%word(i)%text)
+         text = text//"files = ["//quoted(words%word(first)%text)
+         do i = first + 1, words%positional
+            text = text//", "//quoted(words%word(i)%text)
          end do
          text = text//"]"//nl
       else if (command /= "simulate" .and. command /= "selftest") then
          text = text//"# files = [""FILE""]"//nl
       end if
       do i = 1, size(options)
-         if (options(i)%group == "common") cycle
-         if (belongs_to(options(i), command)) text = text//nl//lines_of(i, words)
+         associate (option => options(i))
+            if (option%group == "common" .or. .not. belongs_to(option, command)) cycle
+            text = text//nl//"# "//explained(option)//nl
+            if (.not. is_given(words, option%name)) text = text//"# "
+            text = text//trim(option%name(3:))//" = "
+            if (.not. takes_value(option)) then
+               text = text//"true"//nl
+            else if (is_given(words, option%name)) then
+               text = text//quoted(value_of(words, option%name))//nl
+            else
+               text = text//trim(option%value)//nl
+            end if
+         end associate
       end do
    end function config_text
-
-   !> An option with its explanation: as it was given last, or as a comment.
-   function lines_of(row, words) result(text)
-      integer, intent(in) :: row
-      type(words_type), intent(in) :: words
-      character(:), allocatable :: text
-
-      text = trim(options(row)%name(3:))//" = "
-      if (.not. takes_value(options(row))) then
-         text = text//"true"
-      else if (is_given(words, options(row)%name)) then
-         text = text//quoted(value_of(words, options(row)%name))
-      else
-         text = text//trim(options(row)%value)
-      end if
-      if (.not. is_given(words, options(row)%name)) text = "# "//text
-      text = "# "//explained(options(row))//nl//text//nl
-   end function lines_of
 
 end module gyroakf_app_config_file

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Does what the command line asks for: reads, computes, reports.
 !>
-!> Nothing is written before everything is computed, and standard output comes last: where something fails it stays empty.
+!> Nothing is written before everything is computed, and standard output comes last: where something
+!> fails it stays empty.
 module gyroakf_app_driver
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf_threads, only : set_thread_count
@@ -19,7 +20,7 @@ module gyroakf_app_driver
    use gyroakf_app_config, only : config_type, has_many_files
    use gyroakf_app_help, only : usage_text
    use gyroakf_app_interrupt, only : guard_files, interrupt_signal, watch_signals
-   use gyroakf_app_job, only : analyze, inspect
+   use gyroakf_app_job, only : do_job
    use gyroakf_app_many, only : work_on_many
    use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar, start_bar
@@ -32,7 +33,8 @@ contains
 
    !> The whole program, from the command line to the exit code.
    subroutine run_program(code)
-      !> 0 done, 1 wrong usage, 2 the data or a file, 3 a numerical failure, 128 and the signal's number
+      !> 0 done, 1 wrong usage, 2 the data or a file, 3 a numerical failure, 128 and the signal's
+      !> number
       integer, intent(out) :: code
       type(text_type), allocatable :: arguments(:)
       type(config_type) :: config
@@ -53,10 +55,10 @@ contains
       call make_readable(error%message, lines=.true.)
       write (error_unit, "(a)") "gyroakf: error: "//error%message
       code = exit_code(error%code)
-      if (error%code == status%cancelled .and. interrupt_signal() > 0) code = 128 + interrupt_signal()
+      if (error%code /= status%cancelled .or. interrupt_signal() == 0) return
+      code = 128 + interrupt_signal()
    end subroutine run_program
 
-   !> The job of one command.
    subroutine execute(config, code, error)
       type(config_type), intent(in) :: config
       !> The largest of many files
@@ -69,8 +71,10 @@ contains
       code = 0
       call check_existing(config, error)
       if (allocated(error)) return
-      if (config%options_file /= "") call write_text(config%options_file, config%options_text, error)
-      if (allocated(error)) return
+      if (config%options_file /= "") then
+         call write_text(config%options_file, config%options_text, error)
+         if (allocated(error)) return
+      end if
       if (config%threads > 0) call set_thread_count(config%threads)
       call start_bar(bar, config%progress)
       if (has_many_files(config)) then
@@ -79,15 +83,13 @@ contains
       end if
       select case (config%command)
       case ("help"); call write_text("-", config%text, error)
-      case ("inspect"); call inspect(config, bar, record, error)
       case ("simulate"); call simulate(config, bar, error)
       case ("selftest"); call test_itself(config, error)
-      case default; call analyze(config, bar, record, result, error)
+      case default; call do_job(config, bar, record, result, error)
       end select
       call clear_bar(bar)
    end subroutine execute
 
-   !> A text into a file.
    subroutine write_text(path, text, error)
       !> "-" is standard output
       character(*), intent(in) :: path
@@ -118,7 +120,7 @@ contains
          if (error%code /= status%no_memory) error%code = status%usage
          return
       end if
-      if (config%output /= "-" .or. config%truth /= "") call guard_files()
+      call guard_files(config%output /= "-" .or. config%truth /= "")
       if (config%truth /= "") then
          header(1)%text = "the true drift of: "//config%origin
          call write_record(config%truth, truth, header, config%series%digits, error, bar)
@@ -143,8 +145,8 @@ contains
          call commit_writer(writer, error)
          if (allocated(error)) return
       end if
-      if (result%failed > 0) call fatal_error(error, status%internal, "selftest: "//selftest_sum(result)// &
-                                              "; do not use the results of this build on this machine")
+      if (result%failed > 0) call fatal_error(error, status%internal, "selftest: "// &
+         selftest_sum(result)//"; do not use the results of this build on this machine")
    end subroutine test_itself
 
 end module gyroakf_app_driver

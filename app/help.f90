@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> The texts of `--help`, `--version`, `--citation`, of a bare call and of the manual page (`--man`, in roff); the options in them
-!> come from [[gyroakf_app_option]].
+!> The texts of `--help`, `--version`, `--citation`, of a bare call and of the manual page (`--man`,
+!> in roff); the options in them come from [[gyroakf_app_option]].
 module gyroakf_app_help
-   use gyroakf_app_option, only : option_type, options, commands, all_names, group_titles, belongs_to, &
-      option_names, explained
+   use gyroakf_app_option, only : belongs_to, commands_of, explained, option_names
+   use gyroakf_app_option_table, only : all_names, commands, groups, option_type, options
    use gyroakf_release, only : release_string
    use gyroakf_spelling, only : replace_all
    implicit none (type, external)
@@ -16,24 +16,31 @@ module gyroakf_app_help
    integer, parameter :: first_column = 31, last_column = 98
 
    !> What stands in the help and in the manual page
-   character(*), parameter :: about = "gyroscope noise: Allan variance, AR models, adaptive Kalman filters"
+   character(*), parameter :: about = "gyroscope noise: Allan variance, AR models, adaptive "// &
+      "Kalman filters"
    character(*), parameter :: usage = "gyroakf [COMMAND] FILE... [OPTIONS]"
-   character(*), parameter :: usage_notes = "FILE may be - (standard input); -- ends the options. Several files, or "// &
-      "--list FILE: each is processed independently, then all are summarized; exit code: the highest of all files."
+   character(*), parameter :: usage_notes = "FILE may be - (standard input); -- ends the "// &
+      "options. Several files, or --list FILE: each is processed independently, then all are "// &
+      "summarized; exit code: the highest of all files."
    character(*), parameter :: run_is_default = "Without a COMMAND gyroakf does the whole job (run)."
    character(*), parameter :: reading_notes = "Begin with gyroakf inspect FILE. "// &
-      "Text and NumPy's .npy are recognized by their content; both may be compressed by gzip; zstd comes "// &
-      "through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, # columns: t gx gy gz) is used; "// &
+      "Text and NumPy's .npy are recognized by their content; both may be compressed by gzip; "// &
+      "zstd comes through a pipe. A header in the file (# rate_hz: 5, # unit: deg/h, "// &
+      "# columns: t gx gy gz) is used; "// &
       "an option overrides it. Without a rate or a unit, results are per sample and in input units."
    character(*), parameter :: exit_codes = &
       "Exit codes: 0 done; 1 wrong usage; 2 the data or a file; 3 a numerical failure; 130 Ctrl-C."
 
    !> What `--citation` names
    character(150), parameter :: references(4) = [character(150) :: &
-      "Yi et al., Random Errors Compensation method of Autoregressive Adaptive Kalman Filter based on MEMS Gyroscope.", &
-      "W. J. Riley and D. A. Howe, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008).", &
-      "IEEE Std 952, Specification Format Guide and Test Procedure for Single-Axis Interferometric Fiber Optic Gyros, annex C.", &
-      "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic Control Conference (1969)."]
+      "Yi et al., Random Errors Compensation method of Autoregressive Adaptive Kalman Filter "// &
+      "based on MEMS Gyroscope.", &
+      "W. J. Riley and D. A. Howe, Handbook of Frequency Stability Analysis, NIST SP 1065 "// &
+      "(2008).", &
+      "IEEE Std 952, Specification Format Guide and Test Procedure for Single-Axis "// &
+      "Interferometric Fiber Optic Gyros, annex C.", &
+      "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint "// &
+      "Automatic Control Conference (1969)."]
 
    !> Commands and examples of them
    character(92), parameter :: examples(2, 29) = reshape([character(92) :: &
@@ -46,13 +53,16 @@ module gyroakf_app_help
       "inspect", "gyroakf inspect log.csv --column gx,gy,gz --time-column time_ms --json -", &
       "inspect", "gyroakf inspect imu.bin --format i16be --channels 6 --skip 512 --rate 200", &
       "inspect", "gyroakf inspect counter.npy --input angle --unit deg --scale 0.01 --rate 100", &
-      "inspect", "gyroakf inspect increments.dat --input increment --unit arcsec --scale 0.1 --rate 100", &
+      "inspect", &
+        "gyroakf inspect increments.dat --input increment --unit arcsec --scale 0.1 --rate 100", &
       "allan", "gyroakf allan log.csv --rate 100 --unit deg/s", &
       "allan", "gyroakf allan log.csv.gz --rate 200 --unit rad/s --taus log:20 --json -", &
-      "allan", "gyroakf allan log.csv --terms NBK --fit-tau-min 0.1 --fit-tau-max 1000 --out results", &
+      "allan", &
+        "gyroakf allan log.csv --terms NBK --fit-tau-min 0.1 --fit-tau-max 1000 --out results", &
       "allan", "gyroakf allan log.csv --kinds mdev,ohdev --out results", &
       "allan", "find day -name '*.csv' | gyroakf allan --list - --rate 100 --out results", &
-      "allan", "gyroakf allan imu.csv --unit rad/s,rad/s,rad/s,m/s^2,m/s^2,m/s^2 --kalibr imu.yaml", &
+      "allan", &
+        "gyroakf allan imu.csv --unit rad/s,rad/s,rad/s,m/s^2,m/s^2,m/s^2 --kalibr imu.yaml", &
       "tests", "gyroakf tests log.csv --outliers auto --detrend 3", &
       "tests", "gyroakf tests log.csv --adf-regression ct --adf-lags 4 --adf-table", &
       "ar", "gyroakf ar log.csv --outliers auto --detrend 3 --ar-criterion bic", &
@@ -61,10 +71,14 @@ module gyroakf_app_help
       "filter", "gyroakf filter log.csv --rate 1000 --out results --series-format npy", &
       "simulate", "gyroakf simulate --preset paper --output mems.txt", &
       "simulate", "gyroakf simulate --preset adis16405 --warmup 0.01,600 --output adis16405.npy", &
-      "simulate", "gyroakf simulate --samples 360000 --rate 100 --coefficients N=0.005,B=0.001 --seed 7", &
-      "simulate", "gyroakf simulate --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4", &
-      "simulate", "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -", &
-      "simulate", "gyroakf simulate --samples 1000000 --rate 100 --coefficients N=0.005 --output still.npy", &
+      "simulate", &
+        "gyroakf simulate --samples 360000 --rate 100 --coefficients N=0.005,B=0.001 --seed 7", &
+      "simulate", &
+        "gyroakf simulate --rate 10 --coefficients N=0.005 --ar 0.99 --ar-variance 1e-4", &
+      "simulate", &
+        "gyroakf simulate --ar 0.7,-0.2 --ar-variance 1e-4 --missing 0.003 | gyroakf run -", &
+      "simulate", &
+        "gyroakf simulate --samples 1000000 --rate 100 --coefficients N=0.005 --output still.npy", &
       "selftest", "gyroakf selftest"], [2, 29])
 
 contains
@@ -80,10 +94,11 @@ contains
    function citation_text() result(text)
       character(:), allocatable :: text
 
-      text = "gyroakf "//release_string//": random errors of gyroscopes, characterised and compensated."//nl//nl// &
-         "The method:"//nl//wrapped(trim(references(1)), 3)//"The Allan deviation and its uncertainty:"//nl// &
-         wrapped(trim(references(2)), 3)//wrapped(trim(references(3)), 3)//"The adaptive filter:"//nl// &
-         wrapped(trim(references(4)), 3)
+      text = "gyroakf "//release_string// &
+         ": random errors of gyroscopes, characterised and compensated."//nl//nl//"The method:"// &
+         nl//wrapped(trim(references(1)), 3)//"The Allan deviation and its uncertainty:"//nl// &
+         wrapped(trim(references(2)), 3)//wrapped(trim(references(3)), 3)// &
+         "The adaptive filter:"//nl//wrapped(trim(references(4)), 3)
    end function citation_text
 
    !> What a bare `gyroakf` prints.
@@ -92,7 +107,8 @@ contains
 
       text = "gyroakf "//release_string//": "//about//nl//"Usage: "//usage//nl// &
          "  gyroakf inspect log.csv"//nl//"  gyroakf allan log.csv --rate 100 --unit deg/s"//nl// &
-         "  gyroakf log.csv --rate 100 --unit deg/s --out results"//nl//"Commands and options: gyroakf help"
+         "  gyroakf log.csv --rate 100 --unit deg/s --out results"//nl// &
+         "Commands and options: gyroakf help"
    end function usage_text
 
    !> What `gyroakf --help` and `gyroakf --help=all` print.
@@ -104,15 +120,18 @@ contains
 
       text = "gyroakf "//release_string//": "//about//nl//nl//"Usage: "//usage//nl// &
          wrapped(usage_notes, 8)//nl//"Commands"//nl
-      do i = 1, size(commands)
-         text = text//"  "//commands(i)%name//"  "//trim(commands(i)%purpose)//nl
+      do i = 1, size(commands, 2)
+         text = text//"  "//all_names(i)//"  "//trim(commands(2, i))//nl
       end do
-      text = text//nl//run_is_default//nl
-      do i = 1, size(group_titles, 2)
-         text = text//options_of(trim(merge("any     ", "frequent", whole)), trim(group_titles(1, i)))
+      text = text//nl//run_is_default//nl// &
+         sections(trim(merge("any     ", "frequent", whole)))//nl//"Examples"//nl
+      do i = 1, size(examples, 2)
+         if (any(examples(1, :i - 1) == examples(1, i))) cycle
+         text = text//"  "//trim(examples(2, i))//nl
       end do
-      text = text//nl//"Examples"//nl//first_examples()//nl//wrapped(reading_notes, 1)//exit_codes//nl// &
-         "More options: gyroakf help COMMAND shows those of a command, gyroakf --help=all shows all."//nl
+      text = text//nl//wrapped(reading_notes, 1)//exit_codes//nl// &
+         "More options: gyroakf help COMMAND shows those of a command, gyroakf --help=all "// &
+         "shows all."//nl
    end function program_help
 
    !> What `gyroakf COMMAND --help` prints.
@@ -122,51 +141,35 @@ contains
       character(:), allocatable :: text
       integer :: i
 
-      text = "gyroakf "//command//": "//trim(commands(findloc(all_names, command, dim=1))%purpose)//nl//nl// &
-         "Usage: gyroakf "//command
+      text = "gyroakf "//command//": "// &
+         trim(commands(2, findloc(all_names, command, dim=1)))//nl//nl//"Usage: gyroakf "//command
       if (command /= "simulate" .and. command /= "selftest") text = text//" FILE..."
-      text = text//" [OPTIONS]"//nl
-      do i = 1, size(group_titles, 2)
-         text = text//options_of(command, trim(group_titles(1, i)))
-      end do
-      text = text//nl//"Examples"//nl
+      text = text//" [OPTIONS]"//nl//sections(command)//nl//"Examples"//nl
       do i = 1, size(examples, 2)
          if (examples(1, i) == command) text = text//"  "//trim(examples(2, i))//nl
       end do
    end function command_help
 
-   !> One example of every command.
-   function first_examples() result(text)
-      character(:), allocatable :: text
-      integer :: i
-
-      text = ""
-      do i = 1, size(examples, 2)
-         if (any(examples(1, :i - 1) == examples(1, i))) cycle
-         text = text//"  "//trim(examples(2, i))//nl
-      end do
-   end function first_examples
-
-   !> A title and the options of a group, as far as the command knows them; "" where it knows none.
-   function options_of(command, group) result(text)
+   !> The titles and their options, as far as a command knows them.
+   function sections(command) result(text)
       !> A command; "any" for all options, "frequent" for the most used
       character(*), intent(in) :: command
-      character(*), intent(in) :: group
-      character(:), allocatable :: text
-      integer :: i
+      character(:), allocatable :: text, lines
+      integer :: i, j
+      logical :: shown
 
       text = ""
-      do i = 1, size(options)
-         if (options(i)%group /= group) cycle
-         if (command == "any" .or. (command == "frequent" .and. options(i)%frequent) .or. belongs_to(options(i), command)) then
-            text = text//option_lines(options(i))
-         end if
+      do i = 1, size(groups)
+         lines = ""
+         do j = 1, size(options)
+            shown = command == "any" .or. (command == "frequent" .and. options(j)%frequent) .or. &
+               belongs_to(options(j), command)
+            if (options(j)%group /= groups(i)%name .or. .not. shown) cycle
+            lines = lines//option_lines(options(j))
+         end do
+         if (lines /= "") text = text//nl//trim(groups(i)%title)//nl//lines
       end do
-      if (text == "") return
-      do i = 1, size(group_titles, 2)
-         if (group_titles(1, i) == group) text = nl//trim(group_titles(2, i))//nl//text
-      end do
-   end function options_of
+   end function sections
 
    !> The lines of one option: name and value, then what it does, wrapped.
    function option_lines(option) result(text)
@@ -192,8 +195,9 @@ contains
       !> What stands in the first line already, shorter than that
       character(*), intent(in), optional :: begun
       character(:), allocatable :: lines, line, rest
-      integer :: cut
+      integer :: cut, width
 
+      width = last_column - column + 1
       lines = ""
       line = ""
       if (present(begun)) line = begun
@@ -201,7 +205,7 @@ contains
       do while (len(rest) > 0)
          line = line//repeat(" ", max(0, column - 1 - len(line)))
          cut = len(rest)
-         if (cut > last_column - column + 1) cut = index(rest(:last_column - column + 2), " ", back=.true.) - 1
+         if (cut > width) cut = index(rest(:width + 1), " ", back=.true.) - 1
          lines = lines//line//rest(:cut)//nl
          rest = trim(adjustl(rest(cut + 1:)))
          line = ""
@@ -211,18 +215,21 @@ contains
    !> What `--man` prints.
    function manual_text() result(text)
       character(:), allocatable :: text
-      integer :: i
+      integer :: i, j
 
       text = '.TH GYROAKF 1 "" "gyroakf '//release_string//'" "User Commands"'//nl// &
-         ".SH NAME"//nl//"gyroakf \- "//roff(about)//nl// &
-         ".SH SYNOPSIS"//nl//".B gyroakf"//nl//"[\fICOMMAND\fR] \fIFILE\fR... [\fIOPTIONS\fR]"//nl// &
-         ".SH DESCRIPTION"//nl//roff(usage_notes)//nl//".PP"//nl//roff(reading_notes)//nl//".SH COMMANDS"//nl
-      do i = 1, size(commands)
-         text = text//".TP"//nl//".B "//trim(commands(i)%name)//nl//roff(trim(commands(i)%purpose))//nl
+         ".SH NAME"//nl//"gyroakf \- "//roff(about)//nl//".SH SYNOPSIS"//nl//".B gyroakf"//nl// &
+         "[\fICOMMAND\fR] \fIFILE\fR... [\fIOPTIONS\fR]"//nl//".SH DESCRIPTION"//nl// &
+         roff(usage_notes)//nl//".PP"//nl//roff(reading_notes)//nl//".SH COMMANDS"//nl
+      do i = 1, size(commands, 2)
+         text = text//".TP"//nl//".B "//trim(commands(1, i))//nl//roff(trim(commands(2, i)))//nl
       end do
       text = text//".PP"//nl//roff(run_is_default)//nl//".SH OPTIONS"//nl
-      do i = 1, size(group_titles, 2)
-         text = text//group_of(i)
+      do i = 1, size(groups)
+         text = text//".SS "//roff(trim(groups(i)%title))//nl
+         do j = 1, size(options)
+            if (options(j)%group == groups(i)%name) text = text//manual_entry(options(j))
+         end do
       end do
       text = text//".SH EXAMPLES"//nl//".nf"//nl
       do i = 1, size(examples, 2)
@@ -235,24 +242,18 @@ contains
       end do
    end function manual_text
 
-   !> The options of a group under its title; "" where it has none.
-   function group_of(group) result(text)
-      !> Its place in the table
-      integer, intent(in) :: group
+   function manual_entry(option) result(text)
+      type(option_type), intent(in) :: option
       character(:), allocatable :: text
-      integer :: i
 
-      text = ""
-      do i = 1, size(options)
-         if (options(i)%group /= group_titles(1, group)) cycle
-         text = text//".TP"//nl//"\fB"//roff(option_names(options(i)))//"\fR"
-         if (options(i)%value /= "") text = text//" \fI"//roff(trim(options(i)%value))//"\fR"
-         text = text//nl//roff(explained(options(i)))//nl//".br"//nl//"Commands: "//trim(options(i)%commands)//"."//nl
-      end do
-      if (text /= "") text = ".SS "//roff(trim(group_titles(2, group)))//nl//text
-   end function group_of
+      text = ".TP"//nl//"\fB"//roff(option_names(option))//"\fR"
+      if (option%value /= "") text = text//" \fI"//roff(trim(option%value))//"\fR"
+      text = text//nl//roff(explained(option))//nl//".br"//nl//"Commands: "// &
+         trim(commands_of(option))//"."//nl
+   end function manual_entry
 
-   !> A text as roff takes it literally: backslashes and hyphens escaped, no line that begins like a request.
+   !> A text as roff takes it literally: backslashes and hyphens escaped, no line that begins like a
+   !> request.
    function roff(text) result(escaped)
       character(*), intent(in) :: text
       character(:), allocatable :: escaped

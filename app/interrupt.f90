@@ -1,18 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> Ctrl-C, a request to end, a reader that goes away.
 !>
-!> While nothing is written a signal ends the program at once, as it does every program. Between [[guard_files]] and
-!> [[release_files]] it only sets a flag, see [[interrupted]]: what was written aside is then removed before the program
-!> ends. The same signal a second time ends it at once. This is the one place of the program that keeps state: a signal
-!> handler has no arguments of its own.
+!> While nothing is written a signal ends the program at once, as it does every program. Under
+!> [[guard_files]] it only sets a flag, see [[interrupted]]: what was written aside is then removed
+!> before the program ends. The same signal a second time ends it at once.
+!> This is the one place of the program that keeps state: a signal handler has no arguments of its
+!> own.
 module gyroakf_app_interrupt
-   use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_funloc, c_funptr, c_int, c_loc, c_long, c_null_funptr, &
-      c_size_t
-   use gyroakf_app_system, only : c_raise, c_signal, c_write, ignore_signal, signal_hangup, signal_interrupt, &
-      & signal_pipe, signal_file_size, signal_terminate
+   use, intrinsic :: iso_c_binding, only : c_associated, c_char, c_funloc, c_funptr, c_int, &
+      c_loc, c_long, c_null_funptr, c_size_t
+   use gyroakf_app_system, only : c_raise, c_signal, c_write, ignore_signal, signal_file_size, &
+      signal_hangup, signal_interrupt, signal_pipe, signal_terminate
    implicit none (type, external)
    private
-   public :: watch_signals, guard_files, release_files, interrupted, interrupt_signal, bar_is_shown
+   public :: watch_signals, guard_files, interrupted, interrupt_signal, bar_is_shown
 
    !> The signal that came while files were guarded, 0: none
    integer(c_int), volatile :: caught = 0
@@ -25,8 +26,8 @@ module gyroakf_app_interrupt
 
 contains
 
-   !> From now on signals are caught. A closed pipe and a file larger than allowed are no signals but writes that fail; a signal
-   !> that was ignored when the program began (nohup) stays so.
+   !> From now on signals are caught. A closed pipe and a file larger than allowed are no signals
+   !> but writes that fail; a signal that was ignored when the program began (nohup) stays so.
    subroutine watch_signals()
       type(c_funptr) :: before
 
@@ -39,7 +40,6 @@ contains
       call watch(signal_hangup)
    end subroutine watch_signals
 
-   !> One signal.
    subroutine watch(signal)
       integer(c_int), intent(in) :: signal
       type(c_funptr) :: before
@@ -65,15 +65,13 @@ contains
       failed = c_raise(signal)
    end subroutine on_signal
 
-   !> Files are written from here on.
-   subroutine guard_files()
-      guarded = .true.
-   end subroutine guard_files
+   !> Whether files are written: then a signal waits until all are complete, or none is left.
+   subroutine guard_files(yes)
+      !> From here on
+      logical, intent(in) :: yes
 
-   !> All files are complete, or none is left.
-   subroutine release_files()
-      guarded = .false.
-   end subroutine release_files
+      guarded = yes
+   end subroutine guard_files
 
    !> Whether the user wants the program to end.
    logical function interrupted()

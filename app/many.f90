@@ -1,24 +1,25 @@
 ! SPDX-License-Identifier: MIT
-!> Many files: each is processed independently, one after the other, then all are summarized: into the folder of `--out`, the file
-!> of `--json`, and to standard output.
+!> Many files: each is processed independently, one after the other, then all are summarized: into
+!> the folder of `--out`, the file of `--json`, and to standard output.
 module gyroakf_app_many
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf_utf8, only : make_readable
    use gyroakf_error, only : error_type, exit_code, status
-   use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, open_writer, writer_type
+   use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, &
+      open_writer, writer_type
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, write_summary_json, &
-      write_summary_table
+   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, &
+      write_summary_json, write_summary_table
    use gyroakf_app_check, only : check_existing, is_result
    use gyroakf_app_config, only : config_type
    use gyroakf_app_file_list, only : name_folders, read_list, summary_files
-   use gyroakf_app_interrupt, only : guard_files, release_files
-   use gyroakf_app_job, only : analyze, inspect
+   use gyroakf_app_interrupt, only : guard_files
+   use gyroakf_app_job, only : do_job
    use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : with_path
-   use gyroakf_app_system, only : adapt_writer
+   use gyroakf_app_system, only : open_report
    use gyroakf_app_words, only : usage_error
    implicit none (type, external)
    private
@@ -55,9 +56,9 @@ contains
          call make_readable(rows(i)%message, lines=.true.)
          write (error_unit, "(a)") "gyroakf: error: "//rows(i)%message
       end do
-      call guard_files()
+      call guard_files(.true.)
       call write_files(config, rows, error)
-      call release_files()
+      call guard_files(.false.)
       if (.not. allocated(error)) call print_summary(config, rows, error)
    end subroutine work_on_many
 
@@ -71,14 +72,15 @@ contains
       type(record_type) :: record, unread
       type(pipeline_result_type) :: result
 
-      if (job%command == "inspect") then
-         call inspect(job, bar, record, error)
-         if (.not. allocated(error)) call summarise(job%command, job%path, job%out, record, row)
-      else
-         call analyze(job, bar, record, result, error)
-         if (.not. allocated(error)) call summarise(job%command, job%path, job%out, record, row, result)
+      call do_job(job, bar, record, result, error)
+      if (.not. allocated(error)) then
+         if (job%command == "inspect") then
+            call summarise(job%command, job%path, job%out, record, row)
+         else
+            call summarise(job%command, job%path, job%out, record, row, result)
+         end if
+         return
       end if
-      if (.not. allocated(error)) return
       if (error%code == status%cancelled) return
       call name_options(error%message)
       call summarise(job%command, job%path, "", unread, row, code=exit_code(error%code), &
@@ -86,7 +88,6 @@ contains
       deallocate (error)
    end subroutine work_on_one
 
-   !> The files and their folders.
    subroutine gather_files(config, paths, folders, error)
       type(config_type), intent(in) :: config
       !> The files, and the folders of their results, "" where none are written: [number of files]
@@ -126,7 +127,6 @@ contains
       end do
    end subroutine gather_files
 
-   !> The job of one file alone.
    subroutine prepare_job(config, path, folder, job)
       type(config_type), intent(in) :: config
       character(*), intent(in) :: path, folder
@@ -146,7 +146,6 @@ contains
       end do
    end subroutine prepare_job
 
-   !> The summary on standard output.
    subroutine print_summary(config, rows, error)
       type(config_type), intent(in) :: config
       type(summary_row_type), intent(in) :: rows(:)
@@ -156,14 +155,10 @@ contains
 
       as_json = config%file(1)%text == "-"
       if (config%quiet .and. .not. as_json) return
-      call open_writer(writer, "-", error)
+      call open_report(writer, config%colour, config%ascii, error)
       if (allocated(error)) return
-      if (as_json) then
-         call write_summary_json(writer, config%command, rows)
-      else
-         call adapt_writer(writer, config%colour, config%ascii)
-         call write_summary_table(writer, rows)
-      end if
+      if (as_json) call write_summary_json(writer, config%command, rows)
+      if (.not. as_json) call write_summary_table(writer, rows)
       call commit_writer(writer, error)
    end subroutine print_summary
 
@@ -180,8 +175,8 @@ contains
       path(2)%text = config%out//"/"//trim(summary_files(2))
       path(3)%text = config%file(1)%text
       if (config%out /= "") call make_directory(config%out, error)
-      do i = 1, size(writer)
-         if (allocated(error) .or. (i < 3 .and. config%out == "") .or. any(path(i)%text == ["-", " "])) cycle
+      do i = merge(3, 1, config%out == ""), size(writer)
+         if (allocated(error) .or. any(path(i)%text == ["-", " "])) cycle
          call open_writer(writer(i), path(i)%text, error)
          if (allocated(error)) cycle
          if (i == 1) call write_summary_csv(writer(i), rows)
@@ -189,11 +184,11 @@ contains
          call complete_writer(writer(i), error)
       end do
       do i = 1, size(writer)
-         if (.not. allocated(error) .and. writer(i)%complete) call commit_writer(writer(i), error)
-      end do
-      if (.not. allocated(error)) return
-      do i = 1, size(writer)
-         call discard_writer(writer(i))
+         if (allocated(error)) then
+            call discard_writer(writer(i))
+         else if (writer(i)%complete) then
+            call commit_writer(writer(i), error)
+         end if
       end do
    end subroutine write_files
 

@@ -1,299 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> The table of all options: parsing, ranges, `--help`, the manual page, completion, files of options and the suggestions for
-!> misspelt names are made from it.
-!>
-!> A new option is a row here and a case in [[gyroakf_app_settings]] or [[gyroakf_app_simulation]].
+!> What is asked of the table of options: rows by their names, suggestions for misspelt words, and
+!> messages of the library with the options that set its arguments.
 module gyroakf_app_option
-   use gyroakf_kinds, only : dp
    use gyroakf_io_decimal, only : format_real
-   use gyroakf_preprocess_local_outliers, only : largest_half_width
    use gyroakf_record, only : text_type
    use gyroakf_spelling, only : edit_distance, nearest_word, replace_all
+   use gyroakf_app_option_table, only : groups, option_type, options
    implicit none (type, external)
    private
-   public :: option_type, options, commands, all_names, command_names, group_titles
-   public :: find_option, option_names, explained, takes_value, belongs_to, suggest_option, suggest_word
-   public :: name_options, name_options_in
-
-   !> One row
-   type :: option_type
-      !> With its dashes
-      character(20) :: name = ""
-      !> What stands for its value in the help; the words themselves, separated by |, where kind is "choice" or "choices"
-      character(64) :: value = ""
-      !> flag: no value; all: no value, or =all; text; choice: one of the words; choices: some of them, separated by commas; real;
-      !> positive; share: 0 < x <= 1; natural: 0, 1, ...; count: 1, 2, ...; reals, positives: numbers separated by commas;
-      !> size: bytes. Where words in lower case stand before |, they may be given instead of a number
-      character(9) :: kind = "flag"
-      !> The commands that know it
-      character(51) :: commands = ""
-      !> Under which title of the help it stands; no file of options has those of the group common
-      character(6) :: group = "common"
-      !> What it does
-      character(190) :: help = ""
-      !> Short form with its dash, "" for none
-      character(2) :: short = ""
-      !> Shown by `gyroakf --help`, which leaves the others to `--help=all`
-      logical :: frequent = .false.
-      !> Range of a number, both ends in it; the upper one stands in the help
-      real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp)
-      !> The library's argument that it sets, where that is not its name with underscores
-      character(18) :: argument = ""
-   end type option_type
-
-   !> Name and purpose of a command
-   type :: command_type
-      !> Its name
-      character(8) :: name = ""
-      !> What it does
-      character(90) :: purpose = ""
-   end type command_type
-
-   !> The commands, in the order of the help; the first is the one that needs no name
-   type(command_type), parameter :: commands(*) = [ &
-      command_type("run", "the whole job: clean, test, model, filter, Allan analysis before and after (default)"), &
-      command_type("inspect", "what the file holds: format, columns, rate, gaps, jitter, repeats, range, step"), &
-      command_type("allan", "deviation with limits, coefficients Q N B K R with errors, change during the record"), &
-      command_type("tests", "stationarity, normality, quantisation, whiteness, periodicity of the series"), &
-      command_type("ar", "order table by every criterion, coefficients with standard errors, residuals"), &
-      command_type("filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics"), &
-      command_type("simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed"), &
-      command_type("selftest", "verify this build against published vectors and exact values"), &
-      command_type("help", "this text; gyroakf help COMMAND: that of a command"), &
-      command_type("version", "the version")]
-
-   !> Their names, and those of the commands with options: all but help and version, which stand for --help and --version
-   character(8), parameter :: all_names(*) = commands%name, command_names(*) = commands(:size(commands) - 2)%name
-
-   character(*), parameter :: reading = "run inspect allan tests ar filter"
-   character(*), parameter :: analysing = "run allan tests ar filter"
-   character(*), parameter :: every = "run inspect allan tests ar filter simulate"
-   character(*), parameter :: any_command = every//" selftest"
-
-   !> Largest AR order and number of lags of a regression
-   real(dp), parameter :: most_lags = 1000.0_dp
-   !> More threads than this are a slip of the finger
-   real(dp), parameter :: most_threads = 4096.0_dp
-
-   !> Groups and their titles, in the order of the help
-   character(28), parameter :: group_titles(2, 11) = reshape([character(28) :: &
-      "input", "Reading", "preset", "Preset", "clean", "Cleaning", "tests", "Tests", "ar", "AR model", &
-      "filter", "Filters", "allan", "Allan analysis", "record", "The simulated record", &
-      "output", "Results", "work", "Files, threads, memory", "common", "Common"], [2, 11])
-
-   type(option_type), parameter :: input_options(*) = [ &
-      option_type("--rate", "HZ", "positive", reading, "input", "sample rate; overrides header and time stamps", &
-                  frequent=.true., argument="rate_hz"), &
-      option_type("--dt", "S", "positive", reading, "input", "sample interval, instead of --rate"), &
-      option_type("--unit", "UNIT[,...]", "text", reading, "input", &
-                  "unit of the values: rad/s, deg/s, deg/h, mdps, m/s^2, g, mg, ...; of the angle (rad, deg, "// &
-                  "arcsec) with --input increment or angle; a list has one unit for each channel", frequent=.true.), &
-      option_type("--input", "rate|increment|angle", "choice", reading, "input", &
-                  "what the values are: rates (default), angle increments per sample, or accumulated angles"), &
-      option_type("--wrap", "auto|none|VALUE", "positive", reading, "input", &
-                  "where the angles of --input angle begin again, in units of the file, as 65536 or 360; auto (default): the "// &
-                  "range of the integers of a binary file"), &
-      option_type("--resample", "index|nearest|linear", "choice", reading, "input", &
-                  "how samples get their place: by their index at the mean rate (default), on the slot of the grid nearest to "// &
-                  "their time stamp, or interpolated onto the grid by the stamps"), &
-      option_type("--scale", "F", "real", reading, "input", "multiply every value by F"), &
-      option_type("--column", "N|NAME[,...]", "text", reading, "input", "columns to read (default: all but the time)", &
-                  frequent=.true., argument="columns"), &
-      option_type("--time-column", "N|NAME|none", "text", reading, "input", &
-                  "column of the time stamps (default: found by its name, else by its even rise)", frequent=.true.), &
-      option_type("--time-unit", "UNIT", "text", reading, "input", &
-                  "unit of the time column: s, ms, us, ns, min, h, or a multiple such as 100us (default: by its name, else by "// &
-                  "its values)"), &
-      option_type("--format", "auto|text|csv|npy|f64|f32|i16|...", "text", reading, "input", &
-                  "how the file is written (default auto: by its content); raw numbers: f32 f64 i8 i16 i32 i64 u8 u16 u32, "// &
-                  "with be behind it where they are big endian: i16be"), &
-      option_type("--channels", "N", "count", reading, "input", "columns of raw numbers, interleaved (default 1)"), &
-      option_type("--skip", "N", "natural", reading, "input", &
-                  "leave out the first N lines of a text, or the first N bytes before raw numbers"), &
-      option_type("--where", "COLUMN=VALUE", "text", reading, "input", "read only the rows that hold VALUE in that column, "// &
-                  "as of one of several sensors in a file"), &
-      option_type("--from", "S", "real", reading, "input", "begin S seconds after the first sample", frequent=.true.), &
-      option_type("--to", "S", "positive", reading, "input", "end S seconds after the first sample", frequent=.true.), &
-      option_type("--decimal-comma", "", "flag", reading, "input", "every comma in the file is a decimal comma, as in 1,5; "// &
-                  "recognised by itself where semicolons, tabs or blanks part the columns"), &
-      option_type("--bad-lines", "error|missing", "choice", reading, "input", &
-                  "a line that cannot be read is an error (default), or marked missing and counted", argument="bad_lines_missing")]
-
-   type(option_type), parameter :: series_options(*) = [ &
-      option_type("--preset", "paper", "choice", "run", "preset", &
-                  "the paper's chain to the letter: 3 sigma, cubic trend, AIC over AR(1..3), b = 0.98; other options "// &
-                  "change it"), &
-      option_type("--outliers", "none|auto|pauta|mad|hampel", "choice", analysing, "clean", &
-                  "mark outliers missing; auto: Pauta's rule with the threshold for the record's length, robust (default in "// &
-                  "run, else none); hampel: in a moving window"), &
-      option_type("--outlier-threshold", "K", "positive", analysing, "clean", &
-                  "threshold in standard deviations (default: pauta, hampel 3; mad 4.5; auto by the length)"), &
-      option_type("--outlier-rounds", "N", "count", analysing, "clean", &
-                  "most rounds (default 20); 1: a single pass over the samples, as the textbook has it", &
-                  upper=1000.0_dp), &
-      option_type("--outlier-window", "K", "count", analysing, "clean", &
-                  "hampel compares a sample with K on either side (default 25); 3 marks 4.8 % of clean noise, 10 1.4 %, "// &
-                  "25 0.7 %, 100 0.4 %", upper=real(largest_half_width, dp)), &
-      option_type("--detrend", "none|DEGREE", "natural", analysing, "clean", &
-                  "remove a polynomial trend of this degree (default: 3 in run, else none)", &
-                  upper=9.0_dp), &
-      option_type("--adf-regression", "n|c|ct|ctt", "choice", "run tests", "tests", &
-                  "terms of the ADF regression: none, constant (default), trend, quadratic trend"), &
-      option_type("--adf-lags", "auto|N", "natural", "run tests", "tests", "lags of the ADF regression (default auto: chosen)", &
-                  upper=most_lags), &
-      option_type("--adf-criterion", "aic|bic|t", "choice", "run tests", "tests", "what chooses the lags (default aic)"), &
-      option_type("--adf-max-lags", "auto|N", "natural", "run tests", "tests", &
-                  "lags to choose from (default auto: 12 (n/100)^(1/4))", upper=most_lags), &
-      option_type("--adf-table", "", "flag", "run tests", "tests", &
-                  "show the coefficients of the ADF regression with their standard errors"), &
-      option_type("--kpss-regression", "c|ct", "choice", "run tests", "tests", &
-                  "what the KPSS test takes the series to be stationary about: a level (default) or a line"), &
-      option_type("--kpss-lags", "auto|N", "natural", "run tests", "tests", &
-                  "bandwidth of the KPSS test (default auto: from the correlation)", &
-                  upper=100000.0_dp), &
-      option_type("--lags", "N", "count", "run tests", "tests", &
-                  "lags of the autocorrelation (correlation.csv) and of the test of whiteness (default 20)", &
-                  upper=4096.0_dp), &
-      option_type("--welch-segment", "auto|S", "positive", "run tests", "tests", &
-                  "segments of Welch's spectrum in seconds (default auto: a power of two samples of which 8 fit, at most 16384)"), &
-      option_type("--ar-method", "yw|burg|ols", "choice", "run ar filter", "ar", &
-                  "Yule-Walker by the Levinson recursion (default), Burg's recursion, or least squares with intercept"), &
-      option_type("--ar-criterion", "aic|aicc|bic|hqic|fpe", "choice", "run ar filter", "ar", &
-                  "what chooses the order (default aic)"), &
-      option_type("--max-order", "N", "natural", "run ar filter", "ar", &
-                  "largest order compared (default: 12 in ar, else 3)", upper=most_lags), &
-      option_type("--order", "N", "natural", "run ar filter", "ar", "take this order", &
-                  upper=most_lags), &
-      option_type("--akf", "paper|robust", "choice", "run filter", "filter", &
-                  "the adaptive filter: the paper's Sage-Husa on Q and R (default), or on R only in residual form"), &
-      option_type("--forgetting", "B", "share", "run filter", "filter", &
-                  "forgetting factor b of the adaptive filters (default 0.98; 0.995 for those of the drift)"), &
-      option_type("--estimate", "q,r,Q,R", "text", "run filter", "filter", &
-                  "what the adaptive filter of --akf adapts: means q and r, variances Q and R (default Q,R; robust: R)"), &
-      option_type("--r-factor", "F", "positive", "run filter", "filter", &
-                  "R of the Kalman filter is F times the variance of the series (default 1)"), &
-      option_type("--drift-tau", "S", "positive", "run filter", "filter", &
-                  "what is slower than this counts as drift (default: the larger of 5 samples and 1 s)"), &
-      option_type("--kinds", "oadev|adev|mdev|tdev|hdev|ohdev|totdev", "choices", "run allan", "allan", &
-                  "further kinds of deviation, separated by commas; the terms are fitted to oadev, which is always there"), &
-      option_type("--taus", "octave|decade|log:N|all|LIST", "text", "run allan", "allan", &
-                  "averaging times (default octave); log:N has N a decade, LIST is seconds separated by commas"), &
-      option_type("--confidence", "P", "share", "run allan", "allan", &
-                  "probability between the limits of the deviations (default 0.683)"), &
-      option_type("--min-coverage", "P", "share", "run allan", "allan", &
-                  "share of a window that must be present where samples are missing (default 0.9; 1: all of it)"), &
-      option_type("--terms", "auto|QNBKR", "text", "run allan", "allan", &
-                  "terms of the fit, e.g. NBK, at all averaging times in its range (default auto: those of QNBKR that the "// &
-                  "curve asks for, at the longest run of octaves that they describe)"), &
-      option_type("--fit-tau-min", "S", "positive", "run allan", "allan", &
-                  "the fit begins at this averaging time (default: the first)", argument="tau_min"), &
-      option_type("--fit-tau-max", "S", "positive", "run allan", "allan", &
-                  "the fit ends at this averaging time (default: the last)", argument="tau_max")]
-
-   type(option_type), parameter :: record_options(*) = [ &
-      option_type("--preset", "paper|adis16405|adis16405-xl|mti-g|xsens-dot|ring-laser|mpu6050", "choice", "simulate", &
-                  "record", "the paper's record: 12000 samples at 5 Hz, AR(1), cubic trend, 12 outliers; or a stand-in "// &
-                  "of a sensor's recording; other options change it"), &
-      option_type("--samples", "N", "count", "simulate", "record", "number of samples (default 12000)"), &
-      option_type("--rate", "HZ", "positive", "simulate", "record", "sample rate (default 5)"), &
-      option_type("--dt", "S", "positive", "simulate", "record", "sample interval, instead of --rate"), &
-      option_type("--unit", "UNIT", "text", "simulate", "record", "unit of the values (default deg/s)"), &
-      option_type("--seed", "N", "natural", "simulate", "record", "seed of the random numbers (default 1140)"), &
-      option_type("--coefficients", "Q=..,N=..,B=..,K=..,R=..", "text", "simulate", "record", &
-                  "noise terms in the output unit u and seconds: Q in u s, N in u sqrt(s), B in u, K in u/sqrt(s), "// &
-                  "R in u/s"), &
-      option_type("--tails", "normal|laplace|t5|mixture", "choice", "simulate", "record", &
-                  "distribution of the white noise N at the same variance: normal (default), Laplace, Student's t with "// &
-                  "5 degrees of freedom, two normal distributions of standard deviations 1:8"), &
-      option_type("--ar", "PHI[,...]", "reals", "simulate", "record", &
-                  "coefficients of an AR(p) term"), &
-      option_type("--ar-variance", "V", "positive", "simulate", "record", "variance of the AR(p) term"), &
-      option_type("--markov", "SIGMA,T[,...]", "positives", "simulate", "record", &
-                  "first-order Gauss-Markov processes: standard deviation and correlation time in s of each"), &
-      option_type("--vibration", "AMPLITUDE,HZ,WIDTH[,...]", "positives", "simulate", "record", &
-                  "vibration lines: narrow-band noise with the power of a sine of that amplitude, frequency and width at "// &
-                  "half the power in Hz"), &
-      option_type("--warmup", "A,S", "reals", "simulate", "record", "warm-up A exp(-t/S)"), &
-      option_type("--motion", "NUMBER,SIZE,S[,END]", "positives", "simulate", "record", &
-                  "half sines of height SIZE and length S seconds, of random sign, at random places (before END seconds)"), &
-      option_type("--trend", "C0[,C1,...]", "reals", "simulate", "record", "trend, in powers of the sample index 0, 1, ..."), &
-      option_type("--offset", "X", "real", "simulate", "record", "constant rate"), &
-      option_type("--outlier-count", "N", "natural", "simulate", "record", "number of outliers"), &
-      option_type("--outlier-size", "K", "real", "simulate", "record", "their size in standard deviations of the rest"), &
-      option_type("--contamination", "SHARE,SIGMA", "positives", "simulate", "record", &
-                  "outliers in this share of the samples, of 4 to SIGMA standard deviations of the rest"), &
-      option_type("--lowpass", "HZ[,ORDER]", "positives", "simulate", "record", &
-                  "Butterworth low-pass filter of order 1 (default) or 2 on everything but outliers, rounding and "// &
-                  "losses, which come after it"), &
-      option_type("--resonance", "HZ,Q", "positives", "simulate", "record", &
-                  "mechanical resonance, as a low-pass section of second order with quality "// &
-                  "factor Q, 0.5 to 100"), &
-      option_type("--lsb", "STEP", "positive", "simulate", "record", &
-                  "round the values to multiples of STEP"), &
-      option_type("--missing", "P", "real", "simulate", "record", "share of the samples lost at random", &
-                  lower=0.0_dp, upper=0.9_dp), &
-      option_type("--output", "FILE", "text", "simulate", "record", &
-                  "write FILE instead of standard output; FILE.npy and FILE.f64 are binary"), &
-      option_type("--truth", "FILE", "text", "simulate", "record", &
-                  "write the true drift too: all but quantisation and white noise (Q, N), vibration, motion, "// &
-                  "outliers, rounding and losses; filtered as the record")]
-
-   type(option_type), parameter :: common_options(*) = [ &
-      option_type("--out", "DIR", "text", reading, "output", &
-                  "write the results as files into DIR, report.html among them; of many files into a folder each", &
-                  short="-o", frequent=.true.), &
-      option_type("--json", "FILE", "text", reading, "output", &
-                  "write the results (of many files the summary) as JSON; - is standard output", frequent=.true.), &
-      option_type("--kalibr", "FILE", "text", "run allan", "output", &
-                  "write N and K as Kalibr's imu.yaml: SI, of each sensor the largest axis; needs rate and unit; of many "// &
-                  "files into the folder of each", frequent=.true.), &
-      option_type("--series-format", "csv|npy|f64", "choice", "run filter", "output", &
-                  "how --out writes the series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
-                  "time, and of each channel raw, cleaned, kf, akf)"), &
-      option_type("--digits", "N", "natural", "run filter simulate", "output", &
-                  "significant digits of series and records as text (default 0: as few as read back to the same number)"), &
-      option_type("--truth", "FILE", "text", "run filter", "output", &
-                  "the true drift (simulate --truth, a reference sensor) on the record's grid: RMSE of "// &
-                  "every filter"), &
-      option_type("--chart", "on|off", "choice", "run allan", "output", &
-                  "draw the Allan deviation in characters in the report (default on)"), &
-      option_type("--color", "auto|always|never", "choice", reading, "output", &
-                  "colours in the report on standard output; auto (default): on a terminal, unless NO_COLOR is set"), &
-      option_type("--ascii", "", "flag", reading, "output", &
-                  "the report on standard output in ASCII (default where the locale is not UTF-8)"), &
-      option_type("--details", "", "flag", analysing, "output", &
-                  "print every table, test and model (default: one screen)", frequent=.true.), &
-      option_type("--force", "", "flag", any_command, "output", &
-                  "overwrite existing files that are no results of gyroakf; without it they are kept"), &
-      option_type("--quiet", "", "flag", reading//" selftest", "output", "print no report", short="-q", &
-                  frequent=.true.), &
-      option_type("--list", "FILE", "text", reading, "work", &
-                  "work on the files named in FILE too, one a line; - is standard input"), &
-      option_type("--threads", "N", "count", any_command, "work", &
-                  "number of threads (default: all)", upper=most_threads), &
-      option_type("--memory", "SIZE", "size", reading, "work", &
-                  "memory that may be used, 28MB or more, as 500MB or 2GB (default: 0.95 of what is free); "// &
-                  "a recording that needs more is refused", lower=28e6_dp), &
-      option_type("--progress", "auto|on|off", "choice", any_command, "work", &
-                  "how far long work is, on standard error; auto (default): on a terminal, after a second"), &
-      option_type("--config", "FILE", "text", any_command, "common", &
-                  "take options from FILE, name = value a line; those of the command line come on top"), &
-      option_type("--write-config", "FILE", "text", any_command, "common", &
-                  "write all options into FILE, those that are not given as comments; without a recording nothing else is done"), &
-      option_type("--help", "", "all", any_command, "common", &
-                  "the most used options, or all of a command; --help=all: all options", short="-h", frequent=.true.), &
-      option_type("--version", "", "flag", any_command, "common", "the version", short="-V", frequent=.true.), &
-      option_type("--citation", "", "flag", any_command, "common", "what to cite"), &
-      option_type("--man", "", "flag", any_command, "common", "the manual page, for man -l -"), &
-      option_type("--completion", "bash|zsh|fish", "choice", any_command, "common", &
-                  "a script that completes commands, options and their words")]
-
-   !> All options
-   type(option_type), parameter :: options(*) = [input_options, series_options, record_options, common_options]
+   public :: find_option, option_names, explained, takes_value, belongs_to, commands_of
+   public :: suggest_option, suggest_word, name_options, name_options_in
 
 contains
 
-   !> Row of an option for a command; where the command does not know it, its first row; 0 where no row has the name.
+   !> Row of an option for a command; where the command does not know it, its first row; 0 where no
+   !> row has the name.
    pure integer function find_option(name, command)
       !> With its dashes, long or short
       character(*), intent(in) :: name
@@ -345,12 +66,22 @@ contains
       !> A command
       character(*), intent(in) :: command
 
-      belongs_to = index(" "//option%commands//" ", " "//trim(command)//" ") > 0
+      belongs_to = index(" "//commands_of(option)//" ", " "//trim(command)//" ") > 0
    end function belongs_to
+
+   !> The commands that know an option, separated by blanks.
+   pure character(len(options%commands)) function commands_of(option)
+      !> A row
+      type(option_type), intent(in) :: option
+
+      commands_of = groups(findloc(groups%name, option%group, dim=1))%commands
+      if (option%commands /= "") commands_of = option%commands
+   end function commands_of
 
    !> The known option that a misspelt one probably means, "" if none is near.
    !>
-   !> The distance to an option is that to its whole name or to its last part: --threshold means --outlier-threshold.
+   !> The distance to an option is that to its whole name or to its last part: --threshold means
+   !> --outlier-threshold.
    function suggest_option(name) result(known)
       !> As it was typed, with its dashes
       character(*), intent(in) :: name
@@ -362,14 +93,16 @@ contains
       best = (len(name) - 2)/2 + 1
       do i = 1, size(options)
          full = trim(options(i)%name)
-         distance = min(edit_distance(name(3:), full(3:)), edit_distance(name(3:), full(index(full, "-", back=.true.) + 1:)))
+         distance = min(edit_distance(name(3:), full(3:)), &
+            edit_distance(name(3:), full(index(full, "-", back=.true.) + 1:)))
          if (distance >= best) cycle
          best = distance
          known = full
       end do
    end function suggest_option
 
-   !> A message of the library, which names its arguments in grave accents: with the options that set them.
+   !> A message of the library, which names its arguments in grave accents: with the options that
+   !> set them.
    subroutine name_options(text)
       !> Any text
       character(:), allocatable, intent(inout) :: text

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> A line on standard error that says how far the work is, and the way by which an interrupt ends it.
+!> A line on standard error that says how far the work is, and the way by which an interrupt ends
+!> it.
 !>
-!> Drawn at most ten times a second, on a terminal only after a second of work, and taken away at the end. It is drawn with a
-!> carriage return and blanks alone, which every terminal understands.
+!> Drawn at most ten times a second, on a terminal only after a second of work, and taken away at
+!> the end. It is drawn with a carriage return and blanks alone, which every terminal understands.
 module gyroakf_app_progress_bar
    use, intrinsic :: iso_c_binding, only : c_int
    use gyroakf_kinds, only : dp, int64
@@ -53,14 +54,10 @@ contains
       character(8) :: text
       integer :: stat, columns
 
-      width = 80
+      columns = 0
       call get_environment_variable("COLUMNS", text, status=stat)
-      if (stat == 0) then
-         columns = 0
-         if (verify(trim(text), "0123456789") == 0 .and. len_trim(text) > 0) read (text, *, iostat=stat) columns
-         if (stat == 0 .and. columns > 0) width = min(columns, 80)
-      end if
-      width = width - 1
+      if (stat == 0 .and. verify(text, "0123456789 ") == 0) read (text, *, iostat=stat) columns
+      width = merge(min(columns, 80), 80, stat == 0 .and. columns > 0) - 1
    end function terminal_width
 
    !> Draws, where it is time to; an interrupt cancels the work.
@@ -74,6 +71,8 @@ contains
       !> The user wants to end
       logical, intent(out) :: cancel
       integer(int64) :: now
+      real(dp) :: per_second
+      character(:), allocatable :: line
 
       cancel = interrupted()
       if (.not. self%visible) return
@@ -82,24 +81,16 @@ contains
          self%stage = stage
          self%stage_began = now
       end if
-      if (.not. self%at_once) then
-         if (real(now - self%began, dp) < first_after*real(self%per_second, dp)) return
-      end if
-      if (real(now - self%last, dp) < again_after*real(self%per_second, dp)) return
+      per_second = real(self%per_second, dp)
+      if (.not. self%at_once .and. real(now - self%began, dp) < first_after*per_second) return
+      if (real(now - self%last, dp) < again_after*per_second) return
       self%last = now
-      call put_on_line(self, progress_line(trim(stage), done, total, real(now - self%stage_began, dp)/ &
-                                           real(self%per_second, dp), self%width))
-   end subroutine draw
-
-   !> Replaces what is on the line.
-   subroutine put_on_line(bar, text)
-      type(bar_type), intent(inout) :: bar
-      character(*), intent(in) :: text
-
       call bar_is_shown(.true.)
-      call write_bytes(2_c_int, achar(13)//text//repeat(" ", max(0, bar%drawn - len(text))))
-      bar%drawn = len(text)
-   end subroutine put_on_line
+      line = progress_line(trim(stage), done, total, real(now - self%stage_began, dp)/per_second, &
+                           self%width)
+      call write_bytes(2_c_int, achar(13)//line//repeat(" ", max(0, self%drawn - len(line))))
+      self%drawn = len(line)
+   end subroutine draw
 
    !> Takes the bar away: what is written next begins on a free line.
    subroutine clear_bar(bar)

@@ -6,9 +6,10 @@ module gyroakf_app_reading
    use gyroakf_io_machine_memory, only : free_memory
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
-   use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, open_recording, recording_type, &
-      rows_within, say_too_large
-   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_result_type, run_pipeline
+   use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, &
+      open_recording, recording_type, rows_within, say_too_large
+   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_options, &
+      pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
@@ -18,11 +19,12 @@ module gyroakf_app_reading
    use gyroakf_app_words, only : shell_word
    implicit none (type, external)
    private
-   public :: read_and_look, read_and_run, with_path
+   public :: read_and_run, with_path
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
-   !> Bytes a sample that a true drift takes: as read and in the unit of the record, each with its marks
+   !> Bytes a sample that a true drift takes: as read and in the unit of the record, each with its
+   !> marks
    integer(int64), parameter :: truth_bytes = 18, megabyte = 1000000
 
 contains
@@ -40,26 +42,7 @@ contains
       reader%memory_found = .true.
    end subroutine find_bound
 
-   !> inspect: what was read.
-   subroutine read_and_look(config, record, error, progress)
-      !> The file and how it is read
-      type(config_type), intent(in) :: config
-      !> What was read
-      type(record_type), intent(out) :: record
-      !> As of [[read_record]]
-      type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout) :: progress
-      type(reader_options) :: reader
-
-      reader = config%reader
-      reader%survey = .true.
-      call find_bound(reader)
-      call read_within(config, reader, record, error, progress)
-      call name_options_in(record%warnings)
-   end subroutine read_and_look
-
-   !> run, allan, tests, ar, filter: what was read, and what came out.
+   !> What was read, and but for inspect what came out.
    subroutine read_and_run(config, record, result, error, progress)
       !> The file, how it is read and what is computed
       type(config_type), intent(in) :: config
@@ -76,17 +59,19 @@ contains
       integer :: i
 
       reader = config%reader
-      call estimate_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
-                       reader%part_samples)
+      reader%survey = config%command == "inspect"
+      if (.not. reader%survey) call set_memory(config%pipeline, reader)
       if (config%truth /= "") reader%work_bytes = reader%work_bytes + truth_bytes
       call find_bound(reader)
       call read_within(config, reader, record, error, progress)
       call name_options_in(record%warnings)
       if (.not. allocated(error) .and. config%file(2)%text /= "") call check_kalibr(record, error)
-      if (allocated(error)) return
+      if (allocated(error) .or. reader%survey) return
       if (config%truth /= "") then
          call read_truth(config, record, truth, error, progress)
-         if (.not. allocated(error)) call run_pipeline(record, config%pipeline, result, error, progress, truth)
+         if (.not. allocated(error)) then
+            call run_pipeline(record, config%pipeline, result, error, progress, truth)
+         end if
       else
          call run_pipeline(record, config%pipeline, result, error, progress)
       end if
@@ -97,22 +82,20 @@ contains
          end do
       end if
       if (.not. allocated(error)) return
-      if (error%code == status%too_few_samples) error%message = with_path(config%path, error%message)
+      if (error%code == status%too_few_samples) then
+         error%message = with_path(config%path, error%message)
+      end if
    end subroutine read_and_run
 
    !> Reads the true drift and checks that it fits the record.
    !>
-   !> It is on the record's grid: --rate, --dt, --from and --to hold for it too. Its unit is that of its header, else the record's.
+   !> It is on the record's grid: --rate, --dt, --from and --to hold for it too. Its unit is that of
+   !> its header, else the record's.
    subroutine read_truth(config, record, truth, error, progress)
-      !> Its `truth` is given
       type(config_type), intent(in) :: config
-      !> What is filtered
       type(record_type), intent(in) :: record
-      !> The true drift
       type(record_type), intent(out) :: truth
-      !> As of [[read_record]]; data: it does not fit
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
 
@@ -126,17 +109,14 @@ contains
       if (error%code == status%invalid_argument) error%message = config%truth//": "//error%message
    end subroutine read_truth
 
-   !> Reads a recording; one that does not fit into the memory is refused with the options that make it fit.
+   !> Reads a recording; one that does not fit into the memory is refused with the options that make
+   !> it fit.
    subroutine read_within(config, reader, record, error, progress)
-      !> For the file and the command
       type(config_type), intent(in) :: config
-      !> How it is read, with the memory and what the command needs of it
+      !> With the memory and what the command needs of it
       type(reader_options), intent(in) :: reader
-      !> What was read
       type(record_type), intent(out) :: record
-      !> As of [[read_record]]
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout) :: progress
       type(recording_type) :: recording
       character(:), allocatable :: text, ways
@@ -155,12 +135,14 @@ contains
       end if
    end subroutine read_within
 
-   !> "what fits: --column 2; gyroakf allan FILE; --to 5000; --memory 63MB"; of a pipe, whose size is not known, what needs less.
+   !> "what fits: --column 2; gyroakf allan FILE; --to 5000; --memory 63MB"; of a pipe, whose size
+   !> is not known, what needs less.
    subroutine list_ways(config, recording, text)
       type(config_type), intent(in) :: config
       !> Not whole
       type(recording_type), intent(in) :: recording
       character(:), allocatable, intent(out) :: text
+      type(config_type) :: allan
       type(reader_options) :: less
       real(dp) :: rate
       integer(int64) :: rows
@@ -171,35 +153,45 @@ contains
       if (allocated(recording%options%unit)) one_unit = index(recording%options%unit, ",") == 0
       rows = max(recording%expected_rows, recording%table%rows)
       text = trim(merge("what fits:      ", "what needs less:", known))
-      if (size(recording%table%chosen) > 1 .and. one_unit) then
-         if (rows_within(recording, recording%options, 1) >= rows .or. .not. known) then
-            call add("--column "//integer_text(int(recording%table%chosen(1), int64)))
-         end if
-      end if
       less = recording%options
+      if (size(recording%table%chosen) > 1 .and. one_unit) then
+         call add_if_fits("--column "//integer_text(int(recording%table%chosen(1), int64)), 1)
+      end if
       if (less%channel_bytes > 0) then
          less%channel_bytes = 0
-         if (rows_within(recording, less) >= rows .or. .not. known) call add("without --out")
+         call add_if_fits("without --out")
       end if
       if (config%command == "run" .or. config%command == "filter") then
-         call allan_memory(less)
-         if (rows_within(recording, less) >= rows .or. .not. known) then
-            call add("gyroakf allan "//shell_word(config%path)//config%input_options)
-         end if
+         call new_config("allan", allan)
+         call set_memory(allan%pipeline, less)
+         call add_if_fits("gyroakf allan "//shell_word(config%path)//config%input_options)
       end if
       rate = recording%options%rate_hz
       if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
       if (recording%table%time == 0 .and. rate > 0.0_dp) then
          rate = real(rows_within(recording, recording%options) - 3, dp)/rate
-         if (rate >= max(0.0_dp, recording%options%from) + 1.0_dp) call add("--to "//integer_text(int(rate, int64)))
+         if (rate >= max(0.0_dp, recording%options%from) + 1.0_dp) then
+            call add("--to "//integer_text(int(rate, int64)))
+         end if
       end if
       if (known) then
-         call add("--memory "//integer_text(bytes_needed(recording, rows, recording%options)/megabyte + 1)//"MB")
+         call add("--memory "//integer_text(bytes_needed(recording, rows, recording%options)/ &
+            & megabyte + 1)//"MB")
       else
          call add("or allow more with --memory SIZE")
       end if
 
    contains
+
+      subroutine add_if_fits(way, channels)
+         character(*), intent(in) :: way
+         integer, intent(in), optional :: channels
+
+         if (known) then
+            if (rows_within(recording, less, channels) < rows) return
+         end if
+         call add(way)
+      end subroutine add_if_fits
 
       subroutine add(way)
          character(*), intent(in) :: way
@@ -208,15 +200,14 @@ contains
       end subroutine add
    end subroutine list_ways
 
-   !> What an Allan analysis needs of the memory.
-   subroutine allan_memory(reader)
+   subroutine set_memory(pipeline, reader)
+      type(pipeline_options), intent(in) :: pipeline
       !> Its bytes per sample are set
       type(reader_options), intent(inout) :: reader
-      type(config_type) :: config
 
-      call new_config("allan", config)
-      call estimate_memory(config%pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, reader%part_samples)
-   end subroutine allan_memory
+      call estimate_memory(pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
+         & reader%part_samples)
+   end subroutine set_memory
 
    !> A message that names the file.
    pure function with_path(path, message) result(text)

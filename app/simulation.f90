@@ -6,7 +6,8 @@ module gyroakf_app_simulation
    use gyroakf_io_number, only : parse_number, number
    use gyroakf_simulate_simulate_record, only : simulate_options, paper_preset
    use gyroakf_units, only : term_names
-   use gyroakf_app_option, only : option_type, options, find_option
+   use gyroakf_app_option, only : find_option
+   use gyroakf_app_option_table, only : option_type, options
    use gyroakf_app_value, only : value_type, value_error, not_wired, convert_value
    implicit none (type, external)
    private
@@ -20,21 +21,24 @@ module gyroakf_app_simulation
       character(160) :: options = ""
    end type sensor_type
 
-   !> ADIS16405, gyroscope and accelerometer; Xsens MTi-G, gyroscope, and DOT; a navigation-grade ring laser on a base
-   !> that is disturbed for 600 s; MPU6050: rate, length, noise, filter and LSB as found in their recordings. N and B are
-   !> 2.48 deg/sqrt(h), 38 deg/h; 0.2 m/s/sqrt(h), 0.2 mg; 1.82 deg/sqrt(h); 0.365 deg/sqrt(h), 5 deg/h;
-   !> 0.005 deg/sqrt(h); 0.755 deg/sqrt(h), 16.1 deg/h.
+   !> ADIS16405, gyroscope and accelerometer; Xsens MTi-G, gyroscope, and DOT; a navigation-grade
+   !> ring laser on a base that is disturbed for 600 s; MPU6050: rate, length, noise, filter and LSB
+   !> as found in their recordings. N and B are 2.48 deg/sqrt(h), 38 deg/h; 0.2 m/s/sqrt(h), 0.2 mg;
+   !> 1.82 deg/sqrt(h); 0.365 deg/sqrt(h), 5 deg/h; 0.005 deg/sqrt(h); 0.755 deg/sqrt(h), 16.1
+   !> deg/h.
    type(sensor_type), parameter :: sensors(*) = [ &
-      sensor_type("adis16405", "--rate 100 --samples 1000000 --coefficients N=0.041333,B=0.010556 --resonance 20,3 --lsb 0.05"), &
-      sensor_type("adis16405-xl", "--rate 100 --samples 1000000 --unit g --coefficients N=3.4e-4,B=2e-4 "// &
-                  "--markov 2e-3,0.2,3e-4,60 --lsb 3.33e-3"), &
-      sensor_type("mti-g", "--rate 100 --samples 500000 --unit rad/s --coefficients N=5.3e-4 --tails mixture "// &
-                  "--contamination 0.00036,31"), &
-      sensor_type("xsens-dot", "--rate 120 --samples 14400 --coefficients N=0.0060833,B=0.0013889 --lowpass 15"), &
-      sensor_type("ring-laser", "--rate 100 --samples 184718 --unit deg/h --coefficients Q=0.29,N=0.3 "// &
-                  "--vibration 55,2.5,0.02 --motion 70,400,0.3,600"), &
-      sensor_type("mpu6050", "--rate 99.32 --samples 65067 --coefficients N=0.012583,B=0.0044722 "// &
-                  "--vibration 0.087,31.4,0.1 --lsb 0.0076336")]
+      sensor_type("adis16405", "--rate 100 --samples 1000000 --coefficients "// &
+         "N=0.041333,B=0.010556 --resonance 20,3 --lsb 0.05"), &
+      sensor_type("adis16405-xl", "--rate 100 --samples 1000000 --unit g --coefficients "// &
+         "N=3.4e-4,B=2e-4 --markov 2e-3,0.2,3e-4,60 --lsb 3.33e-3"), &
+      sensor_type("mti-g", "--rate 100 --samples 500000 --unit rad/s --coefficients N=5.3e-4 "// &
+         "--tails mixture --contamination 0.00036,31"), &
+      sensor_type("xsens-dot", "--rate 120 --samples 14400 --coefficients "// &
+         "N=0.0060833,B=0.0013889 --lowpass 15"), &
+      sensor_type("ring-laser", "--rate 100 --samples 184718 --unit deg/h --coefficients "// &
+         "Q=0.29,N=0.3 --vibration 55,2.5,0.02 --motion 70,400,0.3,600"), &
+      sensor_type("mpu6050", "--rate 99.32 --samples 65067 --coefficients "// &
+         "N=0.012583,B=0.0044722 --vibration 0.087,31.4,0.1 --lsb 0.0076336")]
 
 contains
 
@@ -95,9 +99,7 @@ contains
       case ("--tails"); record%tails = value%text
       case ("--lsb"); record%lsb = value%number
       case ("--missing"); record%missing = value%number
-      case ("--lowpass", "--resonance", "--contamination", "--warmup", "--motion", "--markov", "--vibration")
-         call set_parts(option, value, record, error)
-      case default; call not_wired(option, error)
+      case default; call set_parts(option, value, record, error)
       end select
    end subroutine set_record
 
@@ -111,9 +113,10 @@ contains
       integer :: n
       logical :: fits
 
-      n = size(value%list)
+      n = 0
+      if (allocated(value%list)) n = size(value%list)
       part = 0.0_dp
-      part(:min(n, 4)) = value%list(:min(n, 4))
+      if (n > 0) part(:min(n, 4)) = value%list(:min(n, 4))
       fits = n == 2
       select case (option%name)
       case ("--resonance"); record%resonance_hz = part(1)
@@ -127,10 +130,13 @@ contains
          record%motion = part
       case ("--markov"); fits = mod(n, 2) == 0
          record%markov = value%list
-      case default; fits = mod(n, 3) == 0
+      case ("--vibration"); fits = mod(n, 3) == 0
          record%vibration = value%list
+      case default; call not_wired(option, error)
+         return
       end select
-      if (.not. fits) call value_error(option, "'"//value%text//"' has the wrong number of parts", error)
+      if (fits) return
+      call value_error(option, "'"//value%text//"' has the wrong number of parts", error)
    end subroutine set_parts
 
    !> Q=1e-3,N=0.02: any of the five, each once.
@@ -155,7 +161,8 @@ contains
             ok = found == number%ok .and. (coefficient(term) >= 0 .or. term_names(term) == "R")
          end if
          if (.not. ok) then
-            call value_error(option, "'"//text(from:to)//"' is not a term given once, with its value (negative only for R)", error)
+            call value_error(option, "'"//text(from:to)// &
+               "' is not a term given once, with its value (negative only for R)", error)
             return
          end if
          given(term) = .true.

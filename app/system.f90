@@ -1,16 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> What the program needs of the system (POSIX): signals, and what standard output can show: signs beyond ASCII by the locale,
-!> colours by what it is.
+!> What the program needs of the system (POSIX): signals, and what standard output can show: signs
+!> beyond ASCII by the locale, colours by what it is.
 module gyroakf_app_system
    use, intrinsic :: iso_c_binding, only : c_char, c_funptr, c_int, c_intptr_t, c_loc, c_null_funptr
    use gyroakf_kinds, only : int64
-   use gyroakf_io_system, only : c_write, write_all
-   use gyroakf_io_writer, only : writer_type
+   use gyroakf_io_system, only : c_write, move_bytes
+   use gyroakf_error, only : error_type
+   use gyroakf_io_writer, only : open_writer, writer_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
    public :: c_isatty, c_raise, c_signal, c_write
-   public :: write_bytes, ignore_signal, adapt_writer
+   public :: write_bytes, ignore_signal, open_report
    public :: signal_hangup, signal_interrupt, signal_pipe, signal_terminate, signal_file_size
 
    !> Numbers that are the same on every POSIX system
@@ -49,9 +50,10 @@ contains
       integer(c_int), intent(in) :: descriptor
       !> Any bytes
       character(*, kind=c_char), intent(in), target :: text
+      integer(int64) :: written
       logical :: failed
 
-      call write_all(descriptor, c_loc(text), len(text, int64), failed)
+      call move_bytes(descriptor, c_loc(text), len(text, int64), written, failed)
    end subroutine write_bytes
 
    !> SIG_IGN: the signal does nothing.
@@ -59,24 +61,24 @@ contains
       ignore_signal = transfer(1_c_intptr_t, c_null_funptr)
    end function ignore_signal
 
-   !> Sets what a report on standard output shows.
-   subroutine adapt_writer(writer, colour, ascii)
+   !> Opens standard output for a report.
+   subroutine open_report(writer, colour, ascii, error)
       !> Open on standard output
-      type(writer_type), intent(inout) :: writer
+      type(writer_type), intent(out) :: writer
       !> "auto": on a terminal, unless NO_COLOR is set or TERM is dumb; "always"; "never"
       character(*), intent(in) :: colour
       !> Whatever the locale is
       logical, intent(in) :: ascii
+      !> io
+      type(error_type), allocatable, intent(out) :: error
 
+      call open_writer(writer, "-", error)
+      if (allocated(error)) return
       writer%unicode = .not. ascii .and. locale_is_utf8()
-      select case (colour)
-      case ("always"); writer%colour = .true.
-      case ("never"); writer%colour = .false.
-      case default
-         writer%colour = c_isatty(1_c_int) == 1 .and. variable("NO_COLOR") == "" .and. variable("TERM") /= "dumb" .and. &
-                         variable("TERM") /= ""
-      end select
-   end subroutine adapt_writer
+      writer%colour = colour == "always"
+      if (colour == "auto") writer%colour = c_isatty(1_c_int) == 1 .and. &
+         variable("NO_COLOR") == "" .and. variable("TERM") /= "dumb" .and. variable("TERM") /= ""
+   end subroutine open_report
 
    !> The first of the variables that is set names the characters, as POSIX has it.
    logical function locale_is_utf8()

@@ -7,7 +7,8 @@ module gyroakf_app_value
    use gyroakf_io_number, only : parse_number, number
    use gyroakf_io_place, only : integer_text
    use gyroakf_spelling, only : replace_all
-   use gyroakf_app_option, only : option_type, takes_value
+   use gyroakf_app_option, only : takes_value
+   use gyroakf_app_option_table, only : option_type
    implicit none (type, external)
    private
    public :: value_type, convert_value, value_error, not_wired, is_word
@@ -44,10 +45,9 @@ contains
          return
       end if
       select case (option%kind)
-      case ("choice"); call check_choice(option, text, error)
-      case ("choices"); call convert_list(option, text, value%list, error)
-      case ("reals", "positives"); call convert_list(option, text, value%list, error)
-      case ("real", "positive", "share"); call convert_real(option, text, value%number, error)
+      case ("choices", "reals", "positives"); call convert_list(option, text, value%list, error)
+      case ("choice", "real", "positive", "share")
+         call convert_part(option, text, value%number, error)
       case ("natural", "count"); call convert_count(option, text, value%count, error)
       case ("size"); call convert_size(option, text, value%count, error)
       case default                          ! text
@@ -58,7 +58,6 @@ contains
    subroutine convert_list(option, text, list, error)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
-      !> [number of commas + 1]
       real(dp), allocatable, intent(out) :: list(:)
       type(error_type), allocatable, intent(out) :: error
       integer :: from, to
@@ -68,8 +67,7 @@ contains
       do while (from <= len(text) + 1)
          to = from + index(text(from:)//",", ",") - 2
          list = [list, 0.0_dp]
-         if (option%kind == "choices") call check_choice(option, text(from:to), error)
-         if (option%kind /= "choices") call convert_real(option, text(from:to), list(size(list)), error)
+         call convert_part(option, text(from:to), list(size(list)), error)
          if (allocated(error)) return
          from = to + 2
       end do
@@ -84,7 +82,8 @@ contains
       !> usage
       type(error_type), allocatable, intent(out) :: error
 
-      call fatal_error(error, status%usage, "option '"//trim(option%name)//" "//trim(option%value)//"': "//what)
+      call fatal_error(error, status%usage, &
+         "option '"//trim(option%name)//" "//trim(option%value)//"': "//what)
    end subroutine value_error
 
    !> A row of the table that no setting knows: a defect of the program.
@@ -94,7 +93,8 @@ contains
       !> internal
       type(error_type), allocatable, intent(out) :: error
 
-      call fatal_error(error, status%internal, "option '"//trim(option%name)//"' has no effect; please report this")
+      call fatal_error(error, status%internal, &
+         "option '"//trim(option%name)//"' has no effect; please report this")
    end subroutine not_wired
 
    !> Whether a word is one of several separated by |.
@@ -107,25 +107,17 @@ contains
       is_word = index("|"//trim(words)//"|", "|"//word//"|") > 0 .and. index(word, "|") == 0
    end function is_word
 
-   !> One of the option's words.
-   subroutine check_choice(option, text, error)
-      type(option_type), intent(in) :: option
-      character(*), intent(in) :: text
-      type(error_type), allocatable, intent(out) :: error
-
-      if (.not. is_word(text, option%value)) call value_error(option, "'"//text//"' is not one of these", error)
-   end subroutine check_choice
-
    !> Whether one of the words that may stand for a number was given.
    pure logical function stands_for_number(option, text)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
 
-      stands_for_number = verify(text, "abcdefghijklmnopqrstuvwxyz") == 0 .and. is_word(text, option%value)
+      stands_for_number = is_word(text, option%value) .and. &
+         verify(text, "abcdefghijklmnopqrstuvwxyz") == 0
    end function stands_for_number
 
-   !> A finite number in the range of the option.
-   subroutine convert_real(option, text, x, error)
+   !> A finite number in the range of the option, or one of its words, which becomes 0.
+   subroutine convert_part(option, text, x, error)
       type(option_type), intent(in) :: option
       character(*), intent(in) :: text
       real(dp), intent(out) :: x
@@ -135,9 +127,12 @@ contains
 
       x = 0.0_dp
       if (stands_for_number(option, text)) return
-      call parse_number(text, x, found)
       problem = ""
-      if (found == number%overflow) then
+      found = number%ok
+      if (option%kind(:6) /= "choice") call parse_number(text, x, found)
+      if (option%kind(:6) == "choice") then
+         if (.not. is_word(text, option%value)) problem = "not one of these"
+      else if (found == number%overflow) then
          problem = "too large for a number"
       else if (found /= number%ok) then
          problem = "not a number"
@@ -156,7 +151,7 @@ contains
       end if
       if (problem == "") return
       call value_error(option, "'"//text//"' is "//problem, error)
-   end subroutine convert_real
+   end subroutine convert_part
 
    !> A whole number in the range of the option, not negative; of the kind count not 0.
    subroutine convert_count(option, text, n, error)
@@ -175,7 +170,7 @@ contains
       least = merge(1_int64, 0_int64, option%kind == "count")
       range = " of at most 18 digits, "//integer_text(least)//" or more"
       if (option%upper < huge(option%upper)) range = " from "//integer_text(least)//" to "// &
-         & integer_text(int(option%upper, int64))
+         integer_text(int(option%upper, int64))
       if (stat == 0 .and. n >= least .and. real(n, dp) <= option%upper) return
       call value_error(option, "'"//text//"' is not a whole number"//range, error)
    end subroutine convert_count
@@ -186,10 +181,10 @@ contains
       character(*), intent(in) :: text
       integer(int64), intent(out) :: bytes
       type(error_type), allocatable, intent(out) :: error
-      character(3), parameter :: units(14) = [character(3) :: "", "B", "k", "kB", "KiB", "M", "MB", "MiB", "G", "GB", "GiB", &
-                                             "T", "TB", "TiB"]
-      real(dp), parameter :: bytes_of(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, 1e6_dp, 1024.0_dp**2, &
-         1e9_dp, 1e9_dp, 1024.0_dp**3, 1e12_dp, 1e12_dp, 1024.0_dp**4]
+      character(3), parameter :: units(14) = [character(3) :: "", "B", "k", "kB", "KiB", "M", &
+         "MB", "MiB", "G", "GB", "GiB", "T", "TB", "TiB"]
+      real(dp), parameter :: bytes_of(14) = [1.0_dp, 1.0_dp, 1e3_dp, 1e3_dp, 1024.0_dp, 1e6_dp, &
+         1e6_dp, 1024.0_dp**2, 1e9_dp, 1e9_dp, 1024.0_dp**3, 1e12_dp, 1e12_dp, 1024.0_dp**4]
       real(dp) :: x
       integer :: last, found, unit
 
@@ -205,7 +200,8 @@ contains
       if (found /= number%ok .or. unit == 0) then
          call value_error(option, "'"//text//"' is not a size such as 500MB or 2GB", error)
       else if (x*bytes_of(unit) < option%lower) then
-         call value_error(option, "'"//text//"' is too small, at least "//format_real(option%lower/1e6_dp, 6)//"MB", error)
+         call value_error(option, "'"//text//"' is too small, at least "// &
+            format_real(option%lower/1e6_dp, 6)//"MB", error)
       else
          bytes = int(min(x*bytes_of(unit), 1.0e18_dp), int64)
       end if

@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> The words of the command line, sorted into options with their values and other words by the table of options.
+!> The words of the command line, sorted into options with their values and other words by the table
+!> of options.
 module gyroakf_app_words
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : text_type
    use gyroakf_spelling, only : replace_all
-   use gyroakf_app_option, only : option_type, options, find_option, takes_value, suggest_option
+   use gyroakf_app_option, only : find_option, suggest_option, takes_value
+   use gyroakf_app_option_table, only : command_names, option_type, options
    implicit none (type, external)
    private
-   public :: given_type, words_type, read_arguments, sort_words, is_given, value_of, usage_error, shell_quoted, shell_word, &
-      joined
+   public :: given_type, words_type, read_arguments, sort_words, is_given, value_of, names_command
+   public :: usage_error, shell_quoted, shell_word, joined
 
    !> An option as it was given
    type :: given_type
@@ -77,7 +79,6 @@ contains
       end do
    end subroutine sort_words
 
-   !> Remembers a word that is no option.
    subroutine add_word(words, word, behind_dashes)
       type(words_type), intent(inout) :: words
       character(*), intent(in) :: word
@@ -88,14 +89,17 @@ contains
       if (words%positional == 1) words%behind_dashes = behind_dashes
    end subroutine add_word
 
-   !> The option at word i, with its value, which may be the next word: then i is moved on.
+   !> The option at word i, with its value, which may be the next word: then i is moved on. A number
+   !> may be negative, "-" is standard input or output.
    subroutine add_option(arguments, i, words, error)
       type(text_type), intent(in) :: arguments(:)
       integer, intent(inout) :: i
       type(words_type), intent(inout) :: words
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: name
+      character(:), allocatable :: name, value
+      type(option_type) :: option
       integer :: equals, row
+      logical :: follows
 
       name = arguments(i)%text
       equals = index(name, "=")
@@ -105,39 +109,28 @@ contains
          call unknown_option(name, error)
          return
       end if
+      option = options(row)
+      value = ""
+      if (equals > 0) then
+         value = arguments(i)%text(equals + 1:)
+         if (.not. (takes_value(option) .or. (option%kind == "all" .and. value == "all"))) then
+            call usage_error(error, "option '"//name//"' takes no value"// &
+                             trim(merge(" but all", "        ", option%kind == "all")))
+         end if
+      else if (takes_value(option)) then
+         follows = i < size(arguments)
+         if (follows) follows = index(arguments(i + 1)%text, "--") /= 1 .and. &
+            find_option(arguments(i + 1)%text, "") == 0
+         i = i + 1
+         if (follows) value = arguments(i)%text
+         if (.not. follows) call usage_error(error, "option '"//trim(option%name)// &
+            "' needs a value: "//trim(option%name)//" "//trim(option%value))
+      end if
       words%used = words%used + 1
       words%given(words%used)%row = row
-      if (equals > 0) then
-         words%given(words%used)%value = arguments(i)%text(equals + 1:)
-         if (takes_value(options(row)) .or. (options(row)%kind == "all" .and. words%given(words%used)%value == "all")) return
-         call usage_error(error, "option '"//name//"' takes no value"// &
-                          trim(merge(" but all", "        ", options(row)%kind == "all")))
-      else if (takes_value(options(row))) then
-         call take_next(arguments, i, options(row), words%given(words%used)%value, error)
-      else
-         words%given(words%used)%value = ""
-      end if
+      words%given(words%used)%value = value
    end subroutine add_option
 
-   !> The next word as the value of an option; a number may be negative, "-" is standard input or output.
-   subroutine take_next(arguments, i, option, value, error)
-      type(text_type), intent(in) :: arguments(:)
-      integer, intent(inout) :: i
-      type(option_type), intent(in) :: option
-      character(:), allocatable, intent(out) :: value
-      type(error_type), allocatable, intent(out) :: error
-
-      if (i < size(arguments)) then
-         if (index(arguments(i + 1)%text, "--") /= 1 .and. find_option(arguments(i + 1)%text, "") == 0) then
-            i = i + 1
-            value = arguments(i)%text
-            return
-         end if
-      end if
-      call usage_error(error, "option '"//trim(option%name)//"' needs a value: "//trim(option%name)//" "//trim(option%value))
-   end subroutine take_next
-
-   !> An option that is in no row, with the nearest one that is.
    subroutine unknown_option(name, error)
       character(*), intent(in) :: name
       type(error_type), allocatable, intent(out) :: error
@@ -145,11 +138,21 @@ contains
 
       known = suggest_option(name)
       if (known == "") then
-         call usage_error(error, "unknown option '"//name//"'; gyroakf --help=all lists the options")
+         known = "gyroakf --help=all lists the options"
       else
-         call usage_error(error, "unknown option '"//name//"'; the nearest is '"//known//"'")
+         known = "the nearest is '"//known//"'"
       end if
+      call usage_error(error, "unknown option '"//name//"'; "//known)
    end subroutine unknown_option
+
+   !> Whether the first word is the name of a command.
+   pure logical function names_command(words)
+      !> The sorted command line
+      type(words_type), intent(in) :: words
+
+      names_command = words%positional > 0 .and. .not. words%behind_dashes
+      if (names_command) names_command = any(command_names == words%word(1)%text)
+   end function names_command
 
    !> Whether an option was given.
    pure logical function is_given(words, name)
@@ -195,7 +198,8 @@ contains
       !> Any
       character(*), intent(in) :: text
       character(:), allocatable :: word
-      character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,:/=+-_^%"
+      character(*), parameter :: plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"// &
+         "0123456789.,:/=+-_^%"
 
       word = text
       if (len(text) == 0 .or. verify(text, plain) > 0) word = shell_quoted(text)

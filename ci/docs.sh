@@ -59,6 +59,15 @@ recordings() {
   ln -s "$root/example" example
 }
 
+page_picture() { # PAGE: the top of a page of results as SVG, without the day on which it was made and what its script reads
+  printf '<svg xmlns="http://www.w3.org/2000/svg" width="1010" height="1430" viewBox="0 0 1010 1430">\n'
+  sed -n '/^<style>/,/^<\/style>/p' "$1"
+  printf '<foreignObject width="1010" height="1430"><body xmlns="http://www.w3.org/1999/xhtml">\n'
+  sed -n '/^<header>/,/^<\/main>/p' "$1" | sed -E 's/(<h1>.*), [0-9-]{10}</\1</; s/<(br|meta|hr)>/<\1\/>/g
+    s/ data-[a-z0-9-]+="[^"]*"//g; s/<svg /<svg xmlns="http:\/\/www.w3.org\/2000\/svg" /'
+  printf '</body></foreignObject></svg>\n'
+}
+
 # FILE's fenced blocks: a line "LANGUAGE|NUMBER OF ITS FIRST LINE|LAST FILE LINKED ABOVE" each,
 # its lines in $work/block.NUMBER
 blocks() { # FILE
@@ -152,13 +161,18 @@ for document in "${documents[@]}"; do
       *) commands "$work/block.$number" "$document:$number" ;;
     esac
   done 4<"$work/blocks"
-  [ "$document" != README.md ] || cp six_hours/figures/allan.svg "$work/allan.svg"
+  if [ "$document" = README.md ]; then
+    cp six_hours/figures/allan.svg "$work/allan.svg"
+    page_picture six_hours/report.html >"$work/report.svg"
+  fi
   cd "$root" || exit 1
   rm -rf "$work/here" "$work"/block.*
 done
 
-# the figure that README shows
-if cmp "$work/allan.svg" doc/images/allan.svg; then pass; else fail "doc/images/allan.svg is not the six_hours/figures/allan.svg of README"; fi
+# the pictures that README shows
+for picture in allan.svg report.svg; do
+  if cmp "$work/$picture" doc/images/$picture; then pass; else fail "doc/images/$picture is not what six_hours of README gives"; fi
+done
 
 # links to files of the repository, and to sections of them
 for document in README.md CONTRIBUTING.md c_api/README.md doc/*.md; do

@@ -12,8 +12,9 @@ module gyroakf
    use gyroakf_release, only : release_string
    ! Records: units, reading, writing
    use gyroakf_record, only : record_type, text_type, sample_count
-   use gyroakf_units, only : unit_type, coefficient_unit_type, term_names, parse_unit, &
-      coefficient_unit, density_unit, coefficient_definition
+   use gyroakf_units, only : unit_type, term_names, parse_unit
+   use gyroakf_coefficient_units, only : coefficient_unit_type, coefficient_unit, density_unit, &
+      coefficient_definition
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_record_writer, only : write_record
    use gyroakf_io_writer, only : writer_type, open_writer, put_line, commit_writer, discard_writer
@@ -23,7 +24,8 @@ module gyroakf
       paper_seed
    ! Cleaning: outliers, trend, quantization
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_stats_trend, only : trend_type, fit_trend, remove_trend, evaluate_trend
+   use gyroakf_stats_trend, only : trend_type, remove_trend, evaluate_trend
+   use gyroakf_stats_trend_fit, only : fit_trend
    use gyroakf_stats_quantization, only : quantisation_type, find_quantisation
    ! Allan deviation and its relatives, noise coefficients, change during the record
    use gyroakf_allan_grid, only : averaging_factors
@@ -48,8 +50,7 @@ module gyroakf
    use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use gyroakf_stats_correlation, only : correlation_type, compute_correlation
    ! AR models
-   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar, ar_spectrum
    ! Kalman filter and Sage-Husa adaptive Kalman filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
       run_filter, freeze_filter
@@ -57,7 +58,8 @@ module gyroakf
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, &
       design_drift_akf
-   use gyroakf_filter_state_space, only : steady_state, dc_gain, output_variance_ratio
+   use gyroakf_filter_state_space, only : dc_gain, output_variance_ratio
+   use gyroakf_filter_steady_gain, only : steady_state
    ! Drift: models by maximum likelihood, filter, smoothers
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood

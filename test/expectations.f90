@@ -5,7 +5,8 @@ module expectations
    use, intrinsic :: iso_fortran_env, only : output_unit
    use gyroakf_error, only : gyro_error => error_type
    use gyroakf_kinds, only : dp, int64
-   use testdrive, only : error_type, get_argument, test_check => check
+   use testdrive, only : error_type, get_argument, new_unittest, run_testsuite, test_check => check, &
+      unittest_type
    implicit none (type, external)
    private
    public :: test, error, problem, check, unmet, agree, check_refused, went_wrong
@@ -25,6 +26,9 @@ module expectations
    type(gyro_error), allocatable :: problem
    !> Tests that ran, and those of them that failed
    integer :: total = 0, failures = 0
+   !> The test that test-drive is to run
+   character(:), allocatable :: due_name
+   procedure(test_interface), pointer :: due => null()
 
    !> Fails unless an expression is true, or a value is the expected one
    interface check
@@ -47,19 +51,25 @@ contains
 
       if (.not. is_wanted(2, name)) return
       total = total + 1
-      write (output_unit, "(a)") "  Starting "//name//" ..."
-      flush (output_unit)
       if (allocated(problem)) deallocate (problem)
-      call run()
-      write (output_unit, "(a)") "       ... "//name//merge(" [FAILED]", " [PASSED]", allocated(error))
-      if (allocated(error)) then
-         failures = failures + 1
-         write (output_unit, "(a)") "  Message: "//error%message
-         error%stat = 0
-         deallocate (error)
-      end if
-      flush (output_unit)
+      due_name = name
+      due => run
+      call run_testsuite(collect, output_unit, failures, parallel=.false.)
    end subroutine test
+
+   !> The test that is due, as a suite of test-drive.
+   subroutine collect(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+
+      testsuite = [new_unittest(due_name, run_due)]
+   end subroutine collect
+
+   subroutine run_due(failure)
+      type(error_type), allocatable, intent(out) :: failure
+
+      call due()
+      if (allocated(error)) call move_alloc(error, failure)
+   end subroutine run_due
 
    !> Whether an argument of the command line is this name, or is not there.
    logical function is_wanted(place, name)

@@ -31,6 +31,7 @@ contains
       call test("direct_sums", test_direct_sums)
       call test("long_chains", test_long_chains)
       call test("phase_input", test_phase_input)
+      call test("few_phases", test_few_phases)
       call test("ramp", test_ramp)
       call test("sinusoid", test_sinusoid)
       call test("white_noise", test_white_noise)
@@ -326,6 +327,43 @@ contains
          call check(error, all(from_phase%terms == from_rate%terms) .and. from_phase%samples == n, "terms")
       end do
    end subroutine test_phase_input
+
+   subroutine test_few_phases()
+      ! long records, of whose integral only some phases are kept, against the whole integral: a length of whole stretches
+      ! and more, grids with and without factors before the step, windows that reach over the end of a stretch
+      character(*), parameter :: grids(5) = [character(24) :: "octave", "decade", "48,96,960", &
+         & "7,13,50,64,640,128000", "5000,10000"]
+      type(allan_curve_type) :: from_rate, from_phase
+      type(allan_options) :: options
+      real(dp), allocatable :: rate(:), phase(:)
+      integer(int64) :: i, n
+      integer :: kind, grid
+
+      do n = 31*32768, 31*32768 + 777, 777
+         rate = normal_series(n, 4711_int64)
+         if (allocated(phase)) deallocate (phase)
+         allocate (phase(0:n))
+         phase(0) = 0
+         do i = 1, n
+            phase(i) = phase(i - 1) + rate(i)
+         end do
+         do kind = 1, 2
+            options%kind = merge("adev", "hdev", kind == 1)
+            do grid = 1, size(grids)
+               options%taus = trim(grids(grid))
+               call compute_allan(rate, 1.0_dp, options, from_rate, failure)
+               call check(error, .not. allocated(failure))
+               if (allocated(error)) return
+               call compute_allan_from_phase(phase, 1.0_dp, options, from_phase, failure)
+               call check(error, .not. allocated(failure))
+               if (allocated(error)) return
+               call agree(from_rate%deviation, from_phase%deviation, exact, options%kind//options%taus)
+               call agree(from_rate%edf, from_phase%edf, exact, "edf")
+               call check(error, all(from_rate%terms == from_phase%terms), "terms")
+            end do
+         end do
+      end do
+   end subroutine test_few_phases
 
    subroutine test_ramp()
       ! rate = R t: R tau/sqrt(2) for the Allan deviations (modified too), nothing for the Hadamard ones

@@ -5,7 +5,7 @@ module test_ar
    use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_ar_criteria, only : ar_order_type, best_order, criterion_number, order_criteria
+   use gyroakf_ar_ar_types, only : ar_order_type, best_order, criterion_number, order_criteria
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use series_library, only : reference_series, reference_names
    implicit none (type, external)

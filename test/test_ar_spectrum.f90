@@ -3,9 +3,8 @@
 module test_ar_spectrum
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_stats_autocovariance, only : compute_autocovariance
-   use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
+   use gyroakf_ar_model, only : ar_model_type, ar_options, ar_spectrum, fit_ar
    use gyroakf_ar_residuals, only : analyse_residuals
-   use gyroakf_ar_spectrum, only : ar_spectrum
    use gyroakf_stats_moments, only : compute_moments, moments_type
    use series_library, only : reference_series
    use expectations, only : problem, test, error, check, went_wrong

@@ -4,8 +4,8 @@ module test_burg
    use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_stats_autocovariance, only : series_mean
-   use gyroakf_stats_trend, only : trend_type, set_level
+   use gyroakf_stats_autocovariance, only : find_level
+   use gyroakf_stats_trend, only : trend_type
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : burg_phi, burg_residual, burg_variance
@@ -112,7 +112,7 @@ contains
 
    !> Stretches of many lengths against the recursion written out with arrays for each stretch.
    subroutine test_gaps_dense()
-      real(dp) :: x(600), f(600), b(600), k(4), shift, rest, n, d, f0, variance
+      real(dp) :: x(600), f(600), b(600), k(4), n, d, f0, variance
       integer(int8) :: valid(600)
       type(burg_type) :: burg
       type(trend_type) :: level
@@ -122,11 +122,10 @@ contains
       x = reference_series("ar2", 600) + 5.0_dp
       valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 600), 50) < 0.15_dp)
       where (valid == 0_int8) x = 1.0e6_dp
-      call series_mean(x, shift, rest, count, problem, valid)
-      call set_level(level, shift, rest)
+      call find_level(x, level, count, problem, valid)
       call compute_burg(x, level, 4, burg, problem, valid)
       if (went_wrong(problem)) return
-      f = merge((x - shift) - rest, 0.0_dp, valid == 1_int8)
+      f = merge((x - level%legendre(0)) - level%remainder, 0.0_dp, valid == 1_int8)
       b = f
       variance = sum(f**2)/real(count, dp)
       do m = 1, 4

@@ -7,7 +7,7 @@ module test_columns_writer
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_io_columns_writer, only : begin_rows, column_type, form_of, put_rows, row_layout_type, set_even
+   use gyroakf_io_columns_writer, only : column_type, form_of, put_rows, row_layout_type
    use gyroakf_io_writer, only : commit_writer, discard_writer, open_writer, writer_type
    use scratch_file, only : file_exists, read_bytes, remove_file, scratch_path
    implicit none (type, external)
@@ -27,7 +27,6 @@ contains
       call test("text", test_text)
       call test("numbers", test_numbers)
       call test("threads", test_threads)
-      call test("blocks", test_blocks)
       call test("cancelled", test_cancelled)
       call test("form_by_name", test_form)
    end subroutine suite_columns_writer
@@ -48,7 +47,7 @@ contains
       real(dp), intent(in), target :: x(:)
       integer(int8), intent(in), target :: present(:)
 
-      call set_even(columns(1), 0_int64, 0.1_dp)
+      columns(1) = column_type(step=0.1_dp, digits=15)
       columns(2)%value => x
       columns(2)%present => present
    end subroutine make_columns
@@ -62,8 +61,7 @@ contains
       type(writer_type) :: writer
 
       call open_writer(writer, path(), failed)
-      if (.not. allocated(failed)) call begin_rows(writer, size(columns), rows, layout)
-      if (.not. allocated(failed)) call put_rows(writer, columns, 1_int64, rows, layout, failed, progress)
+      if (.not. allocated(failed)) call put_rows(writer, columns, rows, layout, failed, progress)
       if (allocated(failed)) call discard_writer(writer)
       if (.not. allocated(failed)) call commit_writer(writer, failed)
    end subroutine write_file
@@ -145,31 +143,6 @@ contains
       call remove_file(path())
       call check(error, len(one) > 20*n .and. one == three, "the file depends on the number of threads")
    end subroutine test_threads
-
-   !> Rows in several calls are the rows in one.
-   subroutine test_blocks()
-      real(dp), target :: x(100)
-      integer(int8), target :: present(100)
-      type(column_type) :: columns(3)
-      type(row_layout_type) :: layout
-      type(writer_type) :: writer
-      character(:), allocatable :: whole, parts
-      integer :: i
-
-      x = [(sqrt(real(i, dp)), i=1, 100)]
-      present = 1_int8
-      call make_columns(columns, x, present)
-      call write_file(columns, 100_int64, layout, failed)
-      whole = read_bytes(path())
-      call open_writer(writer, path(), failed)
-      call put_rows(writer, columns, 1_int64, 33_int64, layout, failed)
-      call put_rows(writer, columns, 34_int64, 33_int64, layout, failed)
-      call put_rows(writer, columns, 34_int64, 100_int64, layout, failed)
-      call commit_writer(writer, failed)
-      parts = read_bytes(path())
-      call remove_file(path())
-      call check(error, parts == whole .and. len(whole) > 1000)
-   end subroutine test_blocks
 
    subroutine test_cancelled()
       integer, parameter :: n = 400000

@@ -4,7 +4,8 @@ module test_dates
    use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_io_date, only : day_number, is_day_first, kind_of_field, scan_stamp, stamp_kind
+   use gyroakf_io_date, only : day_number, scan_stamp, stamp_kind
+   use gyroakf_io_stamp_field, only : is_day_first, kind_of_field
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_io_commas, only : decimal_fields, seconds_comma
    use gyroakf_io_stamps, only : unwrap_days

@@ -51,7 +51,7 @@ contains
       call put_item(writer, "N", "1 +/- 2")
       call put_item(writer, "", "more")
       call put_item(writer, "Warning", "a +/- b", verbatim=.true.)
-      call put_paragraph(writer, "end", 2)
+      call put_paragraph(writer, "end")
       call put_heading(writer, "below")
       call close_list(writer)
       call end_text(writer, text)

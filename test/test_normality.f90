@@ -4,7 +4,7 @@
 module test_normality
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : status
-   use gyroakf_pipeline_channel_distribution, only : find_step, run_distribution
+   use gyroakf_pipeline_channel_tests, only : find_step, run_distribution
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_stats_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &

@@ -30,6 +30,8 @@ contains
       call test("own-header", test_own_header)
       call test("columns", test_columns)
       call test("large", test_large)
+      call test("structured", test_structured)
+      call test("structured-broken", test_structured_broken)
    end subroutine suite_npy
 
    !> Bytes of an integer, the lowest first or last.
@@ -262,9 +264,9 @@ contains
    !> Arrays that are no table of numbers: the message names the type and what to do.
    subroutine test_unsuitable()
       character(32), parameter :: descr(13) = [character(32) :: "'<f16'", "'<g'", "'<c16'", "'|O'", "'|S5'", "'<U3'", "'|V8'", &
-         "'<M8[us]'", "'<m8[s]'", "'<q9'", "[('a', '<f8'), ('b', '<i2')]", "''", "'<f3'"]
+         "'<M8[us]'", "'<m8[s]'", "'<q9'", "[('a', '<f8'), ('b', 'S2')]", "''", "'<f3'"]
       character(12), parameter :: fragment(13) = [character(12) :: "long double", "long double", "complex", "object", "text", &
-         "text", "structured", "date", "date", "not known", "structured", "not known", "long double"]
+         "text", "raw", "date", "date", "not known", "structured", "not known", "long double"]
       integer :: i
 
       do i = 1, size(descr)
@@ -413,5 +415,65 @@ contains
          end do
       end do
    end subroutine test_large
+
+   !> Fields of several types, orders and paddings become named columns, by position and in order.
+   subroutine test_structured()
+      character(*), parameter :: says = "[('time_s', '<f8'), ('gx [deg/s]', '>f4'), ('', '|V3'), ('gy [deg/s]', '<i2')]"
+      integer, parameter :: rows = 70000
+      type(reader_options) :: options
+      type(record_type) :: record
+      character(:), allocatable :: content, row
+      integer :: i, k
+
+      allocate (character(17*rows) :: content)
+      do i = 1, rows
+         row = stored(transfer(0.5_dp*i, 1_int64), 8, .false.)//stored(int(transfer(real(i), 1), int64), 4, .true.)
+         content(17*i - 16:17*i) = row//"xyz"//stored(int(-modulo(i, 30000), int64), 2, .false.)
+      end do
+      content = npy("{'descr': "//says//", 'fortran_order': False, 'shape': (70000,), }", content)
+      do k = 0, 1
+         if (k == 0) call read_bytes_of(content, options, record, failed)
+         if (k == 1) then
+            allocate (options%bytes(len(content)))
+            options%bytes = transfer(content, options%bytes)
+            call read_record("memory", options, record, failed)
+            deallocate (options%bytes)
+         end if
+         if (went_wrong(failed)) return
+         call check(error, record%stored_type, "structured")
+         call check(error, record%channel(1)%text//" "//record%channel(2)%text//" "//record%unit%name, "gx gy deg/s")
+         call check(error, record%rate_source == "timestamps" .and. abs(record%sample_interval - 0.5_dp) < 1.0e-12_dp)
+         call check(error, all(nint(record%value(:, 1)) == [(i, i=1, rows)]))
+         call check(error, all(nint(record%value(:, 2)) == [(-modulo(i, 30000), i=1, rows)]))
+         if (allocated(error)) return
+      end do
+   end subroutine test_structured
+
+   !> What is no list of plain fields, and any bit changed.
+   subroutine test_structured_broken()
+      character(*), parameter :: before = "{'descr': ", behind = ", 'fortran_order': False, 'shape': (2,)}"
+      character(40), parameter :: says(6) = [character(40) :: "[('a', '<f8', (2,))]", "[('a', [('b', '<f8')])]", &
+         "[(('title', 'a'), '<f8')]", "[('', '|V-5'), ('a', '<f8')]", "[]", "[('a', '<f8'"]
+      character(:), allocatable :: whole, changed
+      type(record_type) :: record
+      integer :: i, n, bit
+
+      do i = 1, size(says)
+         call check_refusal(npy(before//trim(says(i))//behind, repeat("x", 16)), "structured")
+         if (i == 4) call check_refusal(npy(before//"[('a', '<f8')], 'shape': (1, 2), 'fortran_order': True}", &
+                                                   repeat("x", 16)), "2 dimensions")
+      end do
+      whole = npy(before//"[('a', '<f4'), ('', '|V4'), ('b', '<f8')]"//behind, repeat(achar(0), 32))
+      do n = 1, len(whole) - 32
+         do bit = 0, 7
+            changed = whole
+            changed(n:n) = achar(ieor(iachar(whole(n:n)), 2**bit))
+            call read_bytes_of(changed, reader_options(), record, failed)
+            if (allocated(failed)) cycle
+            call check(error, size(record%value) <= 32, "byte "//text_of(n))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_structured_broken
 
 end module test_npy

@@ -85,7 +85,7 @@ contains
          call check(error, n%unit, "deg/sqrt(h)")
          call check(error, n%detected .and. abs(n%value - 0.951_dp) < 0.4_dp)
       end associate
-      call check(error, result%channel(1)%allan(stage%input)%stated%density_two_sided, &
+      call check(error, result%channel(1)%allan(stage%input)%stated%density(1)%value, &
                  result%channel(1)%allan(stage%input)%stated%term(2)%value/60, thr=1.0e-12_dp, rel=.true.)
    end subroutine test_example_coefficients
 

@@ -140,7 +140,7 @@ contains
       call check(error, run(degrees, a) .and. run(radians, b))
       associate (x => a%channel(1)%allan(stage%cleaned)%stated, y => b%channel(1)%allan(stage%cleaned)%stated)
          call check(error, x%term(2)%value, y%term(2)%value, thr=1.0e-6_dp, rel=.true.)
-         call check(error, x%term(2)%unit == y%term(2)%unit .and. x%density_unit == "deg/s/sqrt(Hz)")
+         call check(error, x%term(2)%unit == y%term(2)%unit .and. x%density(1)%unit == "deg/s/sqrt(Hz)")
       end associate
       call check(error, a%channel(1)%kf_figures%variance_ratio, b%channel(1)%kf_figures%variance_ratio, thr=1.0e-9_dp, rel=.true.)
    end subroutine test_units

@@ -10,7 +10,7 @@ module test_raw
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : close_recording, next_rows, open_recording, recording_type
    use gyroakf_stats_extremes, only : all_sound, scan_extremes
-   use gyroakf_io_system, only : read_at
+   use gyroakf_io_system, only : move_bytes
    use gyroakf_record, only : record_type
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
@@ -245,7 +245,7 @@ contains
       integer(int64) :: got
       logical :: failed
 
-      call read_at(-1_c_int, 0_int64, c_loc(room), 32_int64, got, failed)
+      call move_bytes(-1_c_int, c_loc(room), 32_int64, got, failed, 0_int64)
       call check(error, failed .and. got == 0)
    end subroutine test_refused_by_system
 

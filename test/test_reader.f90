@@ -202,10 +202,10 @@ contains
 
    subroutine test_header_rate()
       type(record_type) :: record
-      character(24), parameter :: line(7) = [character(24) :: "# rate_hz: 5", "% dt = 0.2 s", "//RATE_HZ: 5 mean (x)", &
-         "; dt: 200 ms", "# rate_hz: -5", "# rate_hz: abc", "# rate hz: 5"]
-      character(12), parameter :: expected(7) = [character(12) :: "0.2 header", "0.2 header", "0.2 header", "0.2 header", &
-         "1 none", "1 none", "1 none"]
+      character(24), parameter :: line(8) = [character(24) :: "# rate_hz: 5", "% dt = 0.2 s", "//RATE_HZ: 5 mean (x)", &
+         "; dt: 200 ms", "# rate_hz: -5", "# rate_hz: abc", "# rate hz: 5", "# dt = 200000 "//char(194)//char(181)//"s"]
+      character(12), parameter :: expected(8) = [character(12) :: "0.2 header", "0.2 header", "0.2 header", "0.2 header", &
+         "1 none", "1 none", "1 none", "0.2 header"]
       character(:), allocatable :: values
       integer :: i
 

@@ -3,8 +3,9 @@
 module test_state_space
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : status
-   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state, &
-      & dc_gain, output_variance_ratio
+   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, &
+      stationary_covariance, dc_gain, output_variance_ratio
+   use gyroakf_filter_steady_gain, only : steady_state
    use filter_library, only : companion_matrix, paper_phi
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)

@@ -6,10 +6,10 @@
 module test_status
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status, status_text, status_texts
+   use gyroakf_error, only : gyro_error => error_type, status, status_texts
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
-   use gyroakf_filter_state_space, only : steady_state
+   use gyroakf_filter_steady_gain, only : steady_state
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type
@@ -48,7 +48,7 @@ contains
             cycle
          end if
          call check_refused(failure, code)
-         call check(error, len(failure%message) > 10, "a message: "//status_text(code))
+         call check(error, len(failure%message) > 10, "a message: "//trim(status_texts(code)))
       end do
    end subroutine test_every_code
 

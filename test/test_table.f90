@@ -59,11 +59,11 @@ contains
       call put_table(writer, table, verbatim=.true.)
       call put_heading(writer, "Channel tau", "=", verbatim=.true.)
       call put_heading(writer, "tau", "-")
-      call put_paragraph(writer, repeat("x", 70)//" 1 +/- 2", 4)
+      call put_paragraph(writer, repeat("x", 72)//" 1 +/- 2")
       call end_text(writer, text)
       call check(error, text, "           σ²"//lf//"  gx  1 ± 0.1"//lf//"        sigma^2"//lf//"  gx  1 +/- 0.1"//lf// &
                  lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf// &
-                 "    "//repeat("x", 70)//" 1 ± 2"//lf)
+                 "  "//repeat("x", 72)//" 1 ± 2"//lf)
    end subroutine test_layout
 
    !> Bold headings, a yellow warning, a red failure; without colours no byte of them.

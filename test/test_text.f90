@@ -6,7 +6,8 @@ module test_text
    use gyroakf_io_commas, only : decimal_comma
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_format, only : content_type, recognise
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields
+   use gyroakf_io_labels, only : name_fields
+   use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_place, only : place_error
    use gyroakf_column_class, only : is_counter_name, is_temperature_name, is_time_name
    use gyroakf_io_stamps, only : infer_scale, named_scale

@@ -7,7 +7,8 @@ module test_trend
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
    use gyroakf_lapack, only : dgels
-   use gyroakf_stats_trend, only : trend_type, evaluate_trend, fit_trend, remove_trend
+   use gyroakf_stats_trend, only : trend_type, evaluate_trend, remove_trend
+   use gyroakf_stats_trend_fit, only : fit_trend
    use series_library, only : reference_series
    implicit none (type, external)
    private

@@ -5,8 +5,8 @@ module test_units
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : status
    use gyroakf_spelling, only : lower, replace_all, nearest_word, edit_distance
-   use gyroakf_units, only : unit_type, coefficient_unit_type, quantity, parse_unit, coefficient_unit, density_unit, &
-      angle_to_rate_unit
+   use gyroakf_coefficient_units, only : coefficient_unit, coefficient_unit_type, density_unit
+   use gyroakf_units, only : angle_to_rate_unit, parse_unit, quantity, unit_type
    implicit none (type, external)
    private
    public :: suite_units

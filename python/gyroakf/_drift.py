@@ -135,14 +135,8 @@ def identify_drift(
     """
     x = sampled(data, None, column)[0]
     model = lib.options("drift_model")
-    with lib.watch(progress) as callback:
-        opt = lib.options(
-            "drift_options",
-            drift_samples=drift_samples,
-            most_samples=most_samples,
-            progress=callback,
-        )
-        lib.call("drift_identify", lib.address(x), x.size, ctypes.byref(opt), ctypes.byref(model))
+    given = {"drift_samples": drift_samples, "most_samples": most_samples}
+    lib.process("drift_identify", x, "drift_options", progress, model, **given)
     n = model.count
     return DriftModel(
         tuple(model.phi[:n]), tuple(model.q[:n]), model.r, tuple(map(bool, model.slow[:n]))

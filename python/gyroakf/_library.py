@@ -15,7 +15,7 @@ import signal
 import threading
 import weakref
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -178,6 +178,24 @@ def watch(progress: Optional[Progress] = None) -> Iterator[Any]:
             signal.signal(signal.SIGINT, signal.default_int_handler)
         if raised:
             raise raised[0]
+
+
+def process(
+    function: str,
+    data: np.ndarray,
+    kind: str,
+    progress: Optional[Progress],
+    *results: Union[np.ndarray, ctypes.Structure, None],
+    **given: Any,
+) -> None:
+    """Calls gyroakf_FUNCTION(data, n, options of a kind, results); `progress` can cancel it."""
+    places = [
+        address(place) if isinstance(place, np.ndarray) else place and ctypes.byref(place)
+        for place in results
+    ]
+    with watch(progress) as callback:
+        opt = options(kind, progress=callback, **given)
+        call(function, address(data), data.size, ctypes.byref(opt), *places)
 
 
 class Handle:

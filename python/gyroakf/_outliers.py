@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from dataclasses import dataclass
 from typing import Any, Optional
 
@@ -74,11 +73,7 @@ def clean(
     """
     x = sampled(data, None, column)[0]
     cleaned = np.empty_like(x)
-    with lib.watch(progress) as callback:
-        opt = lib.options("outlier_options", progress=callback, **options)
-        lib.call(
-            "clean", lib.address(x), x.size, ctypes.byref(opt), lib.address(cleaned), None
-        )
+    lib.process("clean", x, "outlier_options", progress, cleaned, None, **options)
     return cleaned
 
 
@@ -120,24 +115,19 @@ def mark_outliers(
     x = sampled(data, None, column)[0]
     inlier = np.zeros(x.size, np.int8)
     result = lib.TYPES["gyroakf_outliers"]()
-    with lib.watch(progress) as callback:
-        opt = lib.options(
-            "outlier_options",
-            method=method,
-            threshold=threshold,
-            rounds=rounds,
-            half_width=half_width,
-            degree=degree,
-            progress=callback,
-        )
-        lib.call(
-            "mark_outliers",
-            lib.address(x),
-            x.size,
-            ctypes.byref(opt),
-            lib.address(inlier),
-            ctypes.byref(result),
-        )
+    lib.process(
+        "mark_outliers",
+        x,
+        "outlier_options",
+        progress,
+        inlier,
+        result,
+        method=method,
+        threshold=threshold,
+        rounds=rounds,
+        half_width=half_width,
+        degree=degree,
+    )
     return Outliers(
         inlier.view(bool), **{**lib.members(result), "converged": bool(result.converged)}
     )

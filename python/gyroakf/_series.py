@@ -109,9 +109,7 @@ def _test(
 ) -> Any:
     x = sampled(data, None, column)[0]
     result = lib.TYPES[f"gyroakf_{name}"]()
-    with lib.watch(progress) as callback:
-        opt = lib.options(f"{name}_options", progress=callback, **given)
-        lib.call(f"{name}_test", lib.address(x), x.size, ctypes.byref(opt), ctypes.byref(result))
+    lib.process(f"{name}_test", x, f"{name}_options", progress, result, **given)
     return cls(**{**lib.members(result), "critical": dict(zip(levels, result.critical))})
 
 

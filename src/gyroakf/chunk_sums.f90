@@ -7,11 +7,10 @@
 !>     end type
 !>     call sum_chunks(squares, x, n, "sum of squares", total, error, valid, progress)
 !>
-!> Chunks are shared by the threads; their sums are added in order, so that the result does not
-!> depend on the threads.
+!> The sums of the chunks are added in order: the result does not depend on the threads.
 module gyroakf_chunk_sums
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_group
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
@@ -99,8 +98,7 @@ contains
             total = total + part(:, chunk - from + 1)
          end do
       end do
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for a pass over the series: "//stage)
+      call check_memory(stat, "a pass over the series: "//stage, error)
    end subroutine sum_chunks
 
 end module gyroakf_chunk_sums

@@ -5,15 +5,14 @@
 !>     call do_something(x, error)
 !>     if (allocated(error)) ...           ! error%code, error%message
 !>
-!> The numbers of the codes are part of the C interface (`enum gyroakf_status`): never renumbered,
-!> new ones at the end.
+!> The codes are part of the C interface (`enum gyroakf_status`): not renumbered, new at the end.
 module gyroakf_error
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: error_type, fatal_error, check_sample_interval
-   public :: status, status_texts, status_text, exit_code
+   public :: error_type, fatal_error, check_memory, check_sample_interval
+   public :: status, status_texts, exit_code
 
    !> What went wrong
    type :: error_type
@@ -51,7 +50,7 @@ module gyroakf_error
       integer :: not_supported = 11
       !> The caller's callback asked to stop
       integer :: cancelled = 12
-      !> A defect of the library: what its self-test finds, as the program's exit code. No procedure returns it
+      !> A defect of the library found by its self-test: an exit code, returned by no procedure
       integer :: internal = 13
       !> The command line is wrong: the program's. No procedure of the library returns it
       integer :: usage = 14
@@ -78,8 +77,6 @@ module gyroakf_error
       & "internal error", &
       & "wrong usage"]
 
-   character(*), parameter :: unknown_status = "unknown status"
-
 contains
 
    !> Fills the error.
@@ -96,44 +93,31 @@ contains
       error%message = message
    end subroutine fatal_error
 
-   !> Refuses a sample interval whose cube, or that of its inverse, is no number: outside 1e-100 .. 1e100 s.
+   !> The error `no_memory` where an allocation failed.
+   pure subroutine check_memory(stat, what, error)
+      !> Of the statement `allocate`
+      integer, intent(in) :: stat
+      !> What the memory is for
+      character(*), intent(in) :: what
+      !> no_memory; else it stays as it is
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for "//what)
+   end subroutine check_memory
+
+   !> Refuses a sample interval whose cube or inverse cube is no number: outside 1e-100 .. 1e100 s.
    pure subroutine check_sample_interval(dt, error)
       !> Seconds; NaN is refused
       real(dp), intent(in) :: dt
       !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
-      logical :: good
 
-      good = ieee_is_finite(dt)
-      if (good) good = dt >= 1e-100_dp .and. dt <= 1e100_dp
-      if (.not. good) call fatal_error(error, status%invalid_argument, &
-         & "the sample interval (dt) must lie between 1e-100 and 1e100 s")
+      if (ieee_is_finite(dt)) then
+         if (dt >= 1e-100_dp .and. dt <= 1e100_dp) return
+      end if
+      call fatal_error(error, status%invalid_argument, &
+         "the sample interval (dt) must lie between 1e-100 and 1e100 s")
    end subroutine check_sample_interval
-
-   !> A component of [[gyroakf_error:status]].
-   pure logical function is_status(code)
-      integer, intent(in) :: code
-
-      is_status = code >= lbound(status_texts, 1) .and. code <= ubound(status_texts, 1)
-   end function is_status
-
-   !> The length of [[status_text]].
-   pure integer function text_length(code)
-      integer, intent(in) :: code
-
-      text_length = len(unknown_status)
-      if (is_status(code)) text_length = len_trim(status_texts(code))
-   end function text_length
-
-   !> A short text for a code, "unknown status" for a number that is none.
-   pure function status_text(code) result(text)
-      !> A component of [[gyroakf_error:status]]
-      integer, intent(in) :: code
-      character(text_length(code)) :: text
-
-      text = unknown_status
-      if (is_status(code)) text = status_texts(code)
-   end function status_text
 
    !> The exit code of a program that stops with this error: 1 usage, 2 data or file, 3 numerical.
    pure integer function exit_code(code)

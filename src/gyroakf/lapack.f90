@@ -8,7 +8,20 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dgemm, dpotrf, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, dgeqrf
+   public :: dgemm, dpotrf, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, &
+      dgeqrf
+
+   abstract interface
+      !> Works on a triangle of a symmetric matrix in place
+      subroutine triangle_call(uplo, n, a, lda, info)
+         import :: dp
+         implicit none (type, external)
+         character(1), intent(in) :: uplo
+         integer, intent(in) :: n, lda
+         real(dp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine triangle_call
+   end interface
 
    interface
 
@@ -22,16 +35,6 @@ module gyroakf_lapack
          real(dp), intent(inout) :: c(ldc, *)
       end subroutine dgemm
 
-      !> Cholesky factor of a symmetric positive definite matrix
-      subroutine dpotrf(uplo, n, a, lda, info)
-         import :: dp
-         implicit none (type, external)
-         character(1), intent(in) :: uplo
-         integer, intent(in) :: n, lda
-         real(dp), intent(inout) :: a(lda, *)
-         integer, intent(out) :: info
-      end subroutine dpotrf
-
       !> Solves A X = B with the factor of dpotrf
       subroutine dpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
          import :: dp
@@ -42,16 +45,6 @@ module gyroakf_lapack
          real(dp), intent(inout) :: b(ldb, *)
          integer, intent(out) :: info
       end subroutine dpotrs
-
-      !> Inverse of a symmetric positive definite matrix from the factor of dpotrf
-      subroutine dpotri(uplo, n, a, lda, info)
-         import :: dp
-         implicit none (type, external)
-         character(1), intent(in) :: uplo
-         integer, intent(in) :: n, lda
-         real(dp), intent(inout) :: a(lda, *)
-         integer, intent(out) :: info
-      end subroutine dpotri
 
       !> Inverse of a triangular matrix
       subroutine dtrtri(uplo, diag, n, a, lda, info)
@@ -138,5 +131,10 @@ module gyroakf_lapack
       end subroutine dgeqrf
 
    end interface
+
+   !> Cholesky factor of a symmetric positive definite matrix
+   procedure(triangle_call) :: dpotrf
+   !> Inverse of a symmetric positive definite matrix from the factor of dpotrf
+   procedure(triangle_call) :: dpotri
 
 end module gyroakf_lapack

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> Advice to the operating system about arrays of the length of a record.
 !>
-!> Memory that was just allocated is handed out page by page, at the first touch of each. With pages of 4 KiB this takes longer
-!> than filling the array. Linux has pages of 2 MiB for those who ask (`/sys/kernel/mm/transparent_hugepage/enabled` is
-!> `madvise` as a rule); other systems do not know the advice, and refuse it.
+!> Memory that was just allocated is handed out page by page, at the first touch of each. With pages
+!> of 4 KiB this takes longer than filling the array. Linux has pages of 2 MiB for those who ask
+!> (`/sys/kernel/mm/transparent_hugepage/enabled` is `madvise` as a rule); other systems do not know
+!> the advice, and refuse it.
 module gyroakf_large_pages
    use, intrinsic :: iso_c_binding, only : c_int, c_intptr_t, c_loc, c_ptr, c_size_t
    use gyroakf_kinds, only : dp, int64
@@ -32,7 +33,7 @@ module gyroakf_large_pages
 
 contains
 
-   !> Asks for large pages under an array that is about to be filled; it changes no value, and nothing depends on the answer.
+   !> Asks for large pages under an array that is about to be filled; no value changes.
    subroutine prefer_large_pages(array)
       !> Any length; those shorter than a page are left alone
       real(dp), intent(inout), contiguous, target :: array(:)
@@ -40,8 +41,9 @@ contains
       if (8*size(array, kind=c_intptr_t) >= 2*page_bytes) call advise(array, huge_page_advice)
    end subroutine prefer_large_pages
 
-   !> Gives the memory of an array back before it is deallocated, as far as it covers whole large pages: what is in it is lost, and
-   !> it may be neither read nor written afterwards. Memory that is first touched next is then likely to be this one, at no cost.
+   !> Gives the memory of an array back before it is deallocated, as far as it covers whole large
+   !> pages: what is in it is lost, and it may be neither read nor written afterwards. Memory that
+   !> is first touched next is then likely to be this one, at no cost.
    subroutine release_pages(array)
       !> Any length; about to be deallocated
       real(dp), intent(inout), contiguous, target :: array(:)
@@ -70,7 +72,8 @@ contains
       bytes = 8*size(array, kind=c_intptr_t) - modulo(-first, page_bytes)
       first = first + modulo(-first, page_bytes)
       bytes = bytes - modulo(bytes, page_bytes)
-      if (bytes > 0) ignored = c_madvise(transfer(first, c_loc(array)), int(bytes, c_size_t), advice)
+      if (bytes > 0) ignored = c_madvise(transfer(first, c_loc(array)), int(bytes, c_size_t), &
+         advice)
    end subroutine advise
 
 end module gyroakf_large_pages

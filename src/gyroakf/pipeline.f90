@@ -5,40 +5,48 @@
 !>     call read_record("gyro.txt", reader_options(), record, error)
 !>     call run_pipeline(record, options, result, error)
 !>
-!> For each channel: moments as read; outliers and trend removed; stationarity, normality and whiteness of what is left;
-!> the AR model; Allan curves and coefficients as read and cleaned; the paper's Kalman and adaptive Kalman filters and the
-!> curves of their outputs; the drift identified from the record itself. Results do not depend on the number of threads.
+!> For each channel: moments as read; outliers and trend removed; stationarity, normality and
+!> whiteness of what is left; the AR model; Allan curves and coefficients as read and cleaned; the
+!> paper's Kalman and adaptive Kalman filters and the curves of their outputs; the drift identified
+!> from the record itself. Results do not depend on the number of threads.
 module gyroakf_pipeline
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type, view_channel
-   use gyroakf_pipeline_result, only : new_channels, pipeline_options, pipeline_result_type, channel_result_type, available_type, &
-      allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type, &
-      drift_process_type, stage, stage_names
+   use gyroakf_io_place, only : integer_text
+   use gyroakf_pipeline_result, only : allan_result_type, available_type, channel_result_type, &
+      drift_process_type, filter_figures_type, new_channels, pipeline_options, &
+      pipeline_result_type, stage, stage_names, stated_coefficient_type, stated_noise_type, &
+      stated_read_off_type
    use gyroakf_pipeline_channel, only : run_channel
    use gyroakf_pipeline_channel_periodicity, only : longest_part, longest_segment
    use gyroakf_pipeline_channel_progress, only : channel_progress_type
    use gyroakf_pipeline_truth, only : check_truth, take_truth
-   use gyroakf_pipeline_warnings, only : is_of_channel, note_failure
+   use gyroakf_pipeline_warnings, only : note_error
    implicit none (type, external)
    private
-   public :: pipeline_options, pipeline_result_type, channel_result_type, available_type, allan_result_type
-   public :: stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
-   public :: drift_process_type, stage, stage_names
+   public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
+   public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type
+   public :: filter_figures_type, drift_process_type, stage, stage_names
    public :: check_truth
    public :: apply_preset, run_pipeline, estimate_memory, minimum_samples
 
    !> A shorter record is an error
    integer(int64), parameter :: minimum_samples = 10_int64
+   !> Errors that end one channel but not the others: its numbers alone can be their cause, as long
+   !> as another channel can be done with the same options
+   integer, parameter :: of_channel(2) = [status%invalid_argument, status%not_supported]
 
 contains
 
    !> Sets the chain of a preset; the user's own options are put in after it.
    !>
-   !> "default" leaves the options as they are; "paper" is Yi et al.: Pauta's 3 sigma until nothing is beyond it, a cubic trend, AIC
-   !> over AR(1..3) by Yule-Walker (order 0, a white series, is compared too), a Kalman filter with R = Var(z), Sage-Husa on Q and R
-   !> with b = 0.98 and no gate. Both filters start from Q = sigma_a^2, R = P = Var(z), x = 0 (see [[gyroakf_filter_design]]).
+   !> "default" leaves the options as they are; "paper" is Yi et al.: Pauta's 3 sigma until nothing
+   !> is beyond it, a cubic trend, AIC over AR(1..3) by Yule-Walker (order 0, a white series, is
+   !> compared too), a Kalman filter with R = Var(z), Sage-Husa on Q and R with b = 0.98 and no
+   !> gate. Both filters start from Q = sigma_a^2, R = P = Var(z), x = 0 (see
+   !> [[gyroakf_filter_design]]).
    subroutine apply_preset(name, options, error)
       !> "default" or "paper"
       character(*), intent(in) :: name
@@ -65,43 +73,43 @@ contains
          options%design%estimate = " "
          options%design%huber = 0.0_dp
       case default
-         call fatal_error(error, status%invalid_argument, 'there is no preset "'//name//'"; there are default and paper')
+         call fatal_error(error, status%invalid_argument, 'there is no preset "'//name// &
+            '"; there are default and paper')
          return
       end select
       options%preset = name
    end subroutine apply_preset
 
-   !> Estimates the bytes per sample beside the record itself: for the channel being processed, for every channel, and for
-   !> so many samples of it at most.
+   !> Estimates the bytes per sample beside the record itself: for the channel being processed, for
+   !> every channel, and for so many samples of it at most.
    pure subroutine estimate_memory(options, work_bytes, channel_bytes, part_bytes, part_samples)
       !> What to do
       type(pipeline_options), intent(in) :: options
       !> As `reader_options` has them
-      integer(int64), intent(out) :: work_bytes, channel_bytes
-      integer(int64), intent(out), optional :: part_bytes, part_samples
+      integer(int64), intent(out) :: work_bytes, channel_bytes, part_bytes, part_samples
 
-      if (present(part_bytes)) part_bytes = 0
-      if (present(part_samples)) part_samples = longest_part
+      part_bytes = 0
+      part_samples = longest_part
       if (options%do_tests .and. options%welch_segment > 0.0_dp) then
-         if (present(part_bytes)) part_bytes = 112                      ! of a segment: window, transforms, sums, densities
-         if (present(part_samples)) part_samples = longest_segment
+         part_bytes = 112             ! of a segment: window, transforms, sums, densities
+         part_samples = longest_segment
       else if (options%do_tests .and. .not. options%do_allan) then
-         if (present(part_bytes)) part_bytes = 12                       ! lines: beside what the program itself is allowed
+         part_bytes = 12              ! periodogram: beside what the program itself is allowed
       end if
+      ! not at the same time: residuals of the AR model; integral and count of missing samples of
+      ! the Allan deviation; white noise of each sample, for the smoother
       work_bytes = 0
-      if (options%do_filter) work_bytes = 8                             ! white noise of each sample, for the smoother
-      if (options%do_allan) work_bytes = 12                             ! integral, count of missing samples; not at the same time
-      if ((options%do_ar .or. options%do_filter) .and. options%ar%method == "burg") then
-         work_bytes = 16                                                ! residuals; not at the same time
-      end if
+      if (options%do_filter) work_bytes = 8
+      if (options%do_allan) work_bytes = 12
+      if ((options%do_ar .or. options%do_filter) .and. options%ar%method == "burg") work_bytes = 16
       if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
-         work_bytes = work_bytes + 9                                    ! the cleaned series, its marks
+         work_bytes = work_bytes + 9                       ! the cleaned series, its marks
       else if (options%do_filter) then
-         work_bytes = work_bytes + 8                                    ! the series without its mean
+         work_bytes = work_bytes + 8                       ! the series without its mean
       end if
-      if (options%do_filter) work_bytes = work_bytes + 8                ! the filtered series
+      if (options%do_filter) work_bytes = work_bytes + 8   ! the filtered series
       channel_bytes = 0
-      if (options%keep_series) channel_bytes = 57                       ! seven series and the marks of the cleaned one
+      if (options%keep_series) channel_bytes = 57          ! seven series, marks of the cleaned one
    end subroutine estimate_memory
 
    !> Does the whole job for every channel of a record.
@@ -112,17 +120,18 @@ contains
       type(pipeline_options), intent(in) :: options
       !> One entry per channel
       type(pipeline_result_type), intent(out) :: result
-      !> `too_few_samples`: fewer than [[gyroakf_pipeline:minimum_samples]]; no_memory; cancelled; invalid_argument,
-      !> not_supported where no channel can be done, as an option is then wrong. A stage that fails for one channel is no error, nor
-      !> is one of several channels that cannot be done to the end: see `channel%unavailable`
+      !> `too_few_samples`: fewer than [[gyroakf_pipeline:minimum_samples]]; no_memory; cancelled;
+      !> invalid_argument, not_supported where no channel can be done, as an option is then wrong. A
+      !> stage that fails for one channel is no error, nor is one of several channels that cannot be
+      !> done to the end: see `channel%unavailable`
       type(error_type), allocatable, intent(out) :: error
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional, target :: progress
-      !> The true drift on the same grid, as `simulate_record` gives it: every filter gets its RMSE against it
+      !> The true drift on the same grid, as `simulate_record` gives it: every filter gets its RMSE
+      !> against it
       type(record_type), intent(in), optional :: truth
       type(channel_progress_type) :: named
       type(error_type), allocatable :: first
-      character(24) :: digits
       integer :: channel, channels, failures, stat
 
       if (.not. allocated(record%value)) then
@@ -130,8 +139,8 @@ contains
          return
       end if
       if (size(record%value, 1, kind=int64) < minimum_samples) then
-         write (digits, "(i0)") size(record%value, 1, kind=int64)
-         call fatal_error(error, status%too_few_samples, "samples in the record: "//trim(digits)//"; at least 10 are needed")
+         call fatal_error(error, status%too_few_samples, "samples in the record: "// &
+            integer_text(size(record%value, 1, kind=int64))//"; at least 10 are needed")
          return
       end if
       if (present(truth)) call check_truth(truth, record, error)
@@ -147,7 +156,8 @@ contains
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
-         if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, result%channel(channel), error)
+         if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, &
+            result%channel(channel), error)
          if (allocated(error)) return
          if (present(progress) .and. channels > 1) then
             named%listener => progress
@@ -157,10 +167,10 @@ contains
             call run_one(record, channel, options, result%channel(channel), error, progress)
          end if
          if (allocated(error)) then
-            if (.not. is_of_channel(error)) return
+            if (all(error%code /= of_channel)) return
             failures = failures + 1
             if (failures == 1) first = error
-            call note_failure(result%channel(channel), "the rest of the analysis", error)
+            call note_error(result%channel(channel), "the rest of the analysis", error)
             if (options%keep_series) call keep_input(record, channel, result%channel(channel))
          end if
       end do
@@ -175,7 +185,8 @@ contains
       type(channel_result_type), intent(inout) :: result
 
       if (.not. allocated(result%series_cleaned)) result%series_cleaned = record%value(:, channel)
-      if (allocated(record%present) .and. .not. allocated(result%series_present)) result%series_present = record%present(:, channel)
+      if (allocated(result%series_present) .or. .not. allocated(record%present)) return
+      result%series_present = record%present(:, channel)
    end subroutine keep_input
 
    !> One channel of a record.
@@ -191,7 +202,8 @@ contains
 
       call view_channel(record, channel, view)
       if (allocated(record%present)) then
-         call run_channel(view, record%value(:, channel), options, result, error, record%present(:, channel), progress)
+         call run_channel(view, record%value(:, channel), options, result, error, &
+                          record%present(:, channel), progress)
       else
          call run_channel(view, record%value(:, channel), options, result, error, progress=progress)
       end if

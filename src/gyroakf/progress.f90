@@ -6,9 +6,9 @@
 !>        procedure :: advance => draw
 !>     end type
 !>
-!> A procedure that may take longer than a tenth of a second has an optional argument `progress` and calls
-!> [[report_progress]] several times a second, never from inside a parallel region. Where the caller answers with `cancel`, it
-!> frees what it holds and returns the error `cancelled`.
+!> A procedure that may take longer than a tenth of a second has an optional argument `progress` and
+!> calls [[report_progress]] several times a second, never from inside a parallel region. Where the
+!> caller answers with `cancel`, it frees what it holds and returns the error `cancelled`.
 module gyroakf_progress
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status

@@ -4,8 +4,7 @@
 !>     reading  [#########...........]  46 %  312 MB/s  0:12 left
 !>     reading  1.23 GB  312 MB/s
 !>
-!> The second where the whole is not known. Amounts are bytes while reading, files, else samples, as [[gyroakf_progress]] has
-!> them.
+!> The second where the whole is not known. Amounts: bytes while reading, files, else samples.
 module gyroakf_progress_text
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
@@ -33,36 +32,32 @@ contains
       integer, intent(in) :: width
       character(:), allocatable :: line
       character(:), allocatable :: unit
+      character(60) :: numbers
       real(dp) :: rate, share
       integer :: filled
 
-      unit = unit_of(stage)
+      unit = "samples"
+      if (index(stage, "reading") == 1) unit = "B"
+      if (stage == "files") unit = "files"
       line = trim(stage)
       rate = 0.0_dp
       if (seconds >= settled) rate = real(max(done, 0_int64), dp)/seconds
       if (total > 0) then
          share = min(1.0_dp, real(max(done, 0_int64), dp)/real(total, dp))
          filled = int(share*bar_width)
-         if (width >= 60) line = line//"  ["//repeat("#", filled)//repeat(".", bar_width - filled)//"]"
-         line = line//"  "//right(int(100.0_dp*share), 3)//" %"
-         if (unit == "files") line = line//"  "//whole(done)//" of "//whole(total)
+         if (width >= 60) line = line//"  ["//repeat("#", filled)// &
+            repeat(".", bar_width - filled)//"]"
+         write (numbers, "(2x, i3, ' %  ', i0, ' of ', i0)") int(100.0_dp*share), done, total
+         if (unit /= "files") numbers = numbers(:7)
+         line = line//trim(numbers)
       else if (done > 0) then
          line = line//"  "//amount_text(real(done, dp), unit)
       end if
       if (rate > 0.0_dp) line = line//"  "//amount_text(rate, unit)//"/s"
-      if (rate > 0.0_dp .and. total > 0) line = line//"  "//duration_text(real(max(total - done, 0_int64), dp)/rate)//" left"
+      if (rate > 0.0_dp .and. total > 0) line = line//"  "// &
+         duration_text(real(max(total - done, 0_int64), dp)/rate)//" left"
       if (len(line) > width) line = line(:max(0, width))
    end function progress_line
-
-   !> What a stage counts.
-   pure function unit_of(stage) result(unit)
-      character(*), intent(in) :: stage
-      character(:), allocatable :: unit
-
-      unit = "samples"
-      if (index(stage, "reading") == 1) unit = "B"
-      if (stage == "files") unit = "files"
-   end function unit_of
 
    !> 1.23 GB, 45.6 Msamples, 7 files: three digits and the unit.
    pure function amount_text(amount, unit) result(text)
@@ -105,31 +100,12 @@ contains
       end if
       whole_seconds = ceiling(seconds)
       if (whole_seconds >= 3600) then
-         write (digits, "(i0, ':', i2.2, ':', i2.2)") whole_seconds/3600, mod(whole_seconds/60, 60), mod(whole_seconds, 60)
+         write (digits, "(i0, ':', i2.2, ':', i2.2)") whole_seconds/3600, &
+            mod(whole_seconds/60, 60), mod(whole_seconds, 60)
       else
          write (digits, "(i0, ':', i2.2)") whole_seconds/60, mod(whole_seconds, 60)
       end if
       text = trim(digits)
    end function duration_text
-
-   !> A count.
-   pure function whole(n) result(text)
-      integer(int64), intent(in) :: n
-      character(:), allocatable :: text
-      character(20) :: digits
-
-      write (digits, "(i0)") n
-      text = trim(digits)
-   end function whole
-
-   !> A small number with blanks in front.
-   pure function right(n, width) result(text)
-      integer, intent(in) :: n, width
-      character(width) :: text
-      character(12) :: digits
-
-      write (digits, "(i12)") n
-      text = digits(13 - width:)
-   end function right
 
 end module gyroakf_progress_text

@@ -7,14 +7,14 @@
 !>     end type
 !>     call minimise(objective, start, minimise_options(), minimum, error)
 !>
-!> The inverse Hessian is kept as a matrix and updated by the formula of Broyden, Fletcher, Goldfarb and Shanno; a step ends where
-!> the strong Wolfe conditions hold. Close to the minimum, where differences of values are rounding, the decrease is judged by the
-!> slopes (Hager and Zhang), so that the gradient goes to zero and not only to the root of the precision. Sources: J. Nocedal,
-!> S. J. Wright, Numerical Optimization (2006), algorithms 3.5, 3.6 and 6.1; W. W. Hager, H. Zhang, SIAM J. Optim. 16 (2005) 170.
+!> The inverse Hessian is kept as a matrix; a step ends where the strong Wolfe conditions hold. Near
+!> the minimum, where differences of values are rounding, the decrease is judged by the slopes, so
+!> that the gradient goes to zero and not only to the root of the precision. Sources: J. Nocedal, S.
+!> J. Wright, Numerical Optimization (2006), algorithms 3.5, 3.6 and 6.1; W. W. Hager, H. Zhang,
+!> SIAM J. Optim. 16 (2005) 170.
 !>
-!> LAPACK has no minimisation. The L-BFGS-B library (BSD), which Debian has as liblbfgsb, is no package of most other systems,
-!> cannot handle a point where the function does not exist, and keeps its best in many variables; libLBFGS (MIT) and MINPACK
-!> (least squares only) are no better a fit for a handful of variables. So it is written here; it keeps no state.
+!> LAPACK has no minimisation, liblbfgsb and libLBFGS are made for many variables and know no point
+!> where the function does not exist, MINPACK knows only least squares. It keeps no state.
 module gyroakf_quasi_newton
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
@@ -23,19 +23,16 @@ module gyroakf_quasi_newton
    private
    public :: objective_type, minimise_options, minimum_type, minimise
 
-   !> Sufficient decrease; decrease of the slope; share of the slope that stands for the decrease near the minimum
+   !> Sufficient decrease; decrease of the slope; slope in place of the decrease near the minimum
    real(dp), parameter :: decrease = 1.0e-4_dp, flattening = 0.9_dp, slope_share = 0.1_dp
    !> Differences of values below this share of the value are rounding
    real(dp), parameter :: rounding = 1.0e-14_dp
-   !> So many steps that change the value by no more than its rounding, or by less than is worth a step, are the end
-   integer, parameter :: most_still = 5
-   !> Most evaluations along a line
-   integer, parameter :: most_trials = 40
+   !> So many steps of no worth are the end; most evaluations along a line
+   integer, parameter :: most_still = 5, most_trials = 40
 
    !> A function; extensions hold its data
    type, abstract :: objective_type
    contains
-      !> Value and gradient
       procedure(evaluate_interface), deferred :: evaluate
    end type objective_type
 
@@ -63,10 +60,10 @@ module gyroakf_quasi_newton
       real(dp) :: gradient_tolerance = 1.0e-9_dp
       !> Most iterations, >= 0
       integer :: max_iterations = 200
-      !> Expected decrease of the value, half of gradient' inverse Hessian gradient, that is not worth a step, >= 0
+      !> Expected decrease, half of gradient' inverse Hessian gradient, not worth a step, >= 0
       real(dp) :: decrease_tolerance = 0.0_dp
-      !> Decrease of the value that is not worth a step, >= 0: five such steps in succession are the end, as where the value falls
-      !> for ever to a limit that it never reaches
+      !> Decrease of the value that is not worth a step, >= 0: five such steps in succession are the
+      !> end, as where the value falls for ever to a limit that it never reaches
       real(dp) :: least_decrease = 0.0_dp
    end type minimise_options
 
@@ -82,9 +79,8 @@ module gyroakf_quasi_newton
       logical :: converged = .false.
    end type minimum_type
 
-   !> A point on the line of a step
+   !> A point on the line of a step: its distance in steps, the function and its slope there
    type :: point_type
-      !> Its distance in steps, the function and its slope along the line
       real(dp) :: step = 0.0_dp, value = 0.0_dp, slope = 0.0_dp
       !> The function exists there
       logical :: feasible = .true.
@@ -103,9 +99,9 @@ contains
       type(minimise_options), intent(in) :: options
       !> The minimum, also where `converged` is false: the best point so far
       type(minimum_type), intent(out) :: minimum
-      !> invalid_argument: no variables, options out of range, sizes, the function does not exist at the start
+      !> invalid_argument: no variables, options, sizes, no function value at the start
       type(error_type), allocatable, intent(out) :: error
-      !> First guess of the inverse Hessian: [n, n], symmetric, positive definite; without it a multiple of the unit matrix
+      !> First guess: [n, n], symmetric, positive definite; else a multiple of the unit matrix
       real(dp), intent(in), optional :: inverse_hessian(:, :)
       type(point_type) :: here, next
       real(dp) :: h(size(start), size(start)), direction(size(start))
@@ -114,30 +110,35 @@ contains
 
       call check_arguments(size(start), options, error, inverse_hessian)
       if (allocated(error)) return
-      call begin(objective, start, here, minimum, error)
-      if (allocated(error)) return
+      direction = 0.0_dp
+      call try_point(objective, start, direction, 0.0_dp, here, minimum%evaluations)
+      minimum%parameter = here%parameter
+      minimum%gradient = here%gradient
+      if (.not. here%feasible) then
+         call fatal_error(error, status%invalid_argument, &
+            "the function does not exist at the start of the minimisation")
+         return
+      end if
       call reset(h, unit, inverse_hessian)
       still = 0
       do while (minimum%iterations < options%max_iterations)
-         minimum%converged = flatness(here) <= options%gradient_tolerance &
-                             .or. still >= most_still
+         minimum%converged = flatness(here) <= options%gradient_tolerance .or. still >= most_still
          if (minimum%converged) exit
          direction = -matmul(h, here%gradient)
          if (unit) direction = direction/max(norm2(here%gradient), 1.0_dp)
          here%step = 0.0_dp
          here%slope = dot_product(direction, here%gradient)
-         minimum%converged = .not. unit .and. -0.5_dp*here%slope < options%decrease_tolerance .and. here%slope <= 0.0_dp
+         minimum%converged = .not. unit .and. &
+            -0.5_dp*here%slope < options%decrease_tolerance .and. here%slope <= 0.0_dp
          if (minimum%converged) exit
-         if (here%slope < 0.0_dp) then
-            call search_line(objective, here, direction, next, minimum%evaluations, found)
-         else
-            found = .false.
-         end if
+         found = here%slope < 0.0_dp
+         if (found) call search_line(objective, here, direction, next, minimum%evaluations, found)
          if (found) then
             call update(h, next%parameter - here%parameter, next%gradient - here%gradient, unit)
             minimum%iterations = minimum%iterations + 1
             still = still + 1
-            if (here%value - next%value > max(rounding*max(abs(here%value), 1.0_dp), options%least_decrease)) still = 0
+            if (here%value - next%value > max(rounding*max(abs(here%value), 1.0_dp), &
+               options%least_decrease)) still = 0
             here = next
          else
             minimum%converged = -here%slope <= rounding*max(abs(here%value), 1.0_dp)
@@ -160,35 +161,15 @@ contains
 
       if (n < 1) then
          call fatal_error(error, status%invalid_argument, "there is no variable to minimise over")
-      else if (.not. (options%gradient_tolerance > 0.0_dp .and. &
-                      options%max_iterations >= 0 .and. options%decrease_tolerance >= 0.0_dp .and. &
-                      options%least_decrease >= 0.0_dp)) then
-         call fatal_error(error, status%invalid_argument, "the gradient tolerance of a minimisation must be positive, &
-            &the others not negative")
+      else if (.not. (options%gradient_tolerance > 0.0_dp .and. options%max_iterations >= 0 .and. &
+         options%decrease_tolerance >= 0.0_dp .and. options%least_decrease >= 0.0_dp)) then
+         call fatal_error(error, status%invalid_argument, "the gradient tolerance of a &
+            &minimisation must be positive, the others not negative")
       else if (present(inverse_hessian)) then
-         if (any(shape(inverse_hessian) /= n)) then
-            call fatal_error(error, status%invalid_argument, "the inverse Hessian and the start differ in size")
-         end if
+         if (any(shape(inverse_hessian) /= n)) call fatal_error(error, status%invalid_argument, &
+            "the inverse Hessian and the start differ in size")
       end if
    end subroutine check_arguments
-
-   !> The first point.
-   subroutine begin(objective, start, here, minimum, error)
-      class(objective_type), intent(inout) :: objective
-      real(dp), intent(in) :: start(:)
-      type(point_type), intent(out) :: here
-      type(minimum_type), intent(inout) :: minimum
-      type(error_type), allocatable, intent(out) :: error
-      real(dp) :: no_direction(size(start))
-
-      no_direction = 0.0_dp
-      allocate (minimum%parameter(size(start)), minimum%gradient(size(start)))
-      call try_point(objective, start, no_direction, 0.0_dp, here, minimum%evaluations)
-      if (here%feasible) return
-      minimum%parameter(:) = start
-      minimum%gradient(:) = 0.0_dp
-      call fatal_error(error, status%invalid_argument, "the function does not exist at the start of the minimisation")
-   end subroutine begin
 
    !> The inverse Hessian before anything is known of it.
    pure subroutine reset(h, unit, inverse_hessian)
@@ -199,30 +180,27 @@ contains
       integer :: i
 
       unit = .not. present(inverse_hessian)
-      if (present(inverse_hessian)) then
-         h(:, :) = inverse_hessian
-         return
-      end if
       h(:, :) = 0.0_dp
       do i = 1, size(h, 1)
          h(i, i) = 1.0_dp
       end do
+      if (present(inverse_hessian)) h(:, :) = inverse_hessian
    end subroutine reset
 
    !> Largest derivative, scaled by its variable and the value.
    pure real(dp) function flatness(point)
       type(point_type), intent(in) :: point
 
-      flatness = maxval(abs(point%gradient)*max(abs(point%parameter), 1.0_dp))/max(abs(point%value), 1.0_dp)
+      flatness = maxval(abs(point%gradient)*max(abs(point%parameter), 1.0_dp))/ &
+         max(abs(point%value), 1.0_dp)
    end function flatness
 
-   !> The BFGS formula for the inverse Hessian; left out where the curvature along the step is not positive.
+   !> The BFGS formula for the inverse Hessian; not where the curvature is not positive.
    pure subroutine update(h, s, y, unit)
-      !> Inverse Hessian: [n, n]
       real(dp), intent(inout) :: h(:, :)
       !> Step and change of the gradient: [n]
       real(dp), intent(in) :: s(:), y(:)
-      !> It is still the unit matrix and gets the size of the curvature first
+      !> h is still the unit matrix and gets the size of the curvature first
       logical, intent(inout) :: unit
       real(dp) :: hy(size(s)), sy, factor
       integer :: j
@@ -245,12 +223,13 @@ contains
       type(point_type), intent(inout) :: point
       integer, intent(inout) :: evaluations
 
-      if (.not. allocated(point%parameter)) allocate (point%parameter(size(origin)), point%gradient(size(origin)))
+      if (.not. allocated(point%gradient)) allocate (point%gradient(size(origin)))
       point%step = step
-      point%parameter(:) = origin + step*direction
+      point%parameter = origin + step*direction
       call objective%evaluate(point%parameter, point%value, point%gradient, point%feasible)
       evaluations = evaluations + 1
-      if (point%feasible) point%feasible = ieee_is_finite(point%value) .and. all(ieee_is_finite(point%gradient))
+      if (point%feasible) point%feasible = ieee_is_finite(point%value) .and. &
+         all(ieee_is_finite(point%gradient))
       if (point%feasible) then
          point%slope = dot_product(direction, point%gradient)
       else
@@ -260,14 +239,11 @@ contains
       end if
    end subroutine try_point
 
-   !> Looks along a line for a point where the strong Wolfe conditions hold; where there is none within reach (a wall), the
-   !> point of the lowest value found.
+   !> The point on a line where the strong Wolfe conditions hold; where none does, the lowest found.
    subroutine search_line(objective, origin, direction, best, evaluations, found)
       class(objective_type), intent(inout) :: objective
-      !> Where the line begins; its slope is negative
       type(point_type), intent(in) :: origin
       real(dp), intent(in) :: direction(:)
-      !> The point
       type(point_type), intent(out) :: best
       integer, intent(inout) :: evaluations
       !> There is one, lower than the origin
@@ -279,22 +255,20 @@ contains
 
       low = origin
       bracketed = .false.
-      noise = rounding*max(abs(origin%value), 1.0_dp)
+      noise = rounding*max(abs(origin%value), 1.0_dp)           ! differences that mean nothing
       step = 1.0_dp
       do i = 1, most_trials
          call try_point(objective, origin%parameter, direction, step, trial, evaluations)
          if (.not. is_lower(origin, low, trial, noise)) then
             high = trial
             bracketed = .true.
-         else if (abs(trial%slope) <= -flattening*origin%slope) then
-            low = trial
-            exit
          else
             if (trial%slope*(trial%step - low%step) >= 0.0_dp) then
                high = low
                bracketed = .true.
             end if
             low = trial
+            if (abs(trial%slope) <= -flattening*origin%slope) exit
          end if
          if (bracketed) then
             if (abs(high%step - low%step)*(-origin%slope) <= 1.0e-2_dp*noise) exit
@@ -310,17 +284,18 @@ contains
    !> A trial is low enough for the way it went, and lower than the lowest so far.
    pure logical function is_lower(origin, low, trial, noise)
       type(point_type), intent(in) :: origin, low, trial
-      !> Differences of values that mean nothing
       real(dp), intent(in) :: noise
 
       is_lower = .false.
       if (.not. trial%feasible) return
-      is_lower = trial%value <= origin%value + decrease*trial%step*origin%slope .and. trial%value < low%value
+      is_lower = trial%value <= origin%value + decrease*trial%step*origin%slope .and. &
+         trial%value < low%value
       if (is_lower .or. -origin%slope*trial%step > 1.0e3_dp*noise) return
-      is_lower = trial%value <= origin%value + noise .and. trial%slope <= (2.0_dp*slope_share - 1.0_dp)*origin%slope
+      is_lower = trial%value <= origin%value + noise .and. &
+         trial%slope <= (2.0_dp*slope_share - 1.0_dp)*origin%slope
    end function is_lower
 
-   !> A point inside a bracket: the minimum of the cubic through values and slopes, not close to the ends.
+   !> A point inside a bracket: the minimum of the cubic through values and slopes, off the ends.
    pure real(dp) function between(low, high) result(step)
       type(point_type), intent(in) :: low, high
       real(dp), parameter :: margin = 0.1_dp

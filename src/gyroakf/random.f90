@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> The library's own random numbers: the same seed gives the same numbers on every machine.
 !>
-!> Bits come from xoshiro256** (D. Blackman, S. Vigna, Scrambled linear pseudorandom number generators, ACM Trans. Math.
-!> Softw. 47 (2021) 36), its state from the seed by splitmix64 (G. Steele, D. Lea, C. Flood, Fast splittable
-!> pseudorandom number generators, OOPSLA 2014). All arithmetic modulo 2**64 is written without signed overflow, and
-!> normal variates use only operations that IEEE 754 defines to the last bit: no number depends on compiler, options
-!> or mathematical library (where multiplications and additions are not fused: -ffp-contract=off).
+!> Bits come from xoshiro256** (D. Blackman, S. Vigna, Scrambled linear pseudorandom number
+!> generators, ACM Trans. Math. Softw. 47 (2021) 36), its state from the seed by splitmix64 (G.
+!> Steele, D. Lea, C. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014). All
+!> arithmetic modulo 2**64 is written without signed overflow, and normal variates use only
+!> operations that IEEE 754 defines to the last bit: no number depends on compiler, options or
+!> mathematical library (where multiplications and additions are not fused: -ffp-contract=off).
 !>
 !>     call seed_random(random, seed=1_int64, stream=2)
 !>     call fill_normal(random, x)
@@ -30,7 +31,7 @@ module gyroakf_random
 
 contains
 
-   !> Starts a generator. Streams of one seed never overlap: stream k begins k*2**128 draws after stream 0.
+   !> Starts a generator. Stream k begins k*2**128 draws after stream 0: they never overlap.
    pure subroutine seed_random(random, seed, stream)
       !> The generator
       type(random_type), intent(out) :: random
@@ -73,7 +74,7 @@ contains
       end associate
    end subroutine next_bits
 
-   !> A variate uniform on the multiples of 2**-53 strictly between 0 and 1 (53 bits; the value 0 is drawn again).
+   !> A variate uniform on the multiples of 2**-53 strictly between 0 and 1.
    pure subroutine next_uniform(random, u)
       !> The generator
       type(random_type), intent(inout) :: random
@@ -158,11 +159,14 @@ contains
       end do
    end subroutine fill_normal
 
-   !> Natural logarithm of x in (0, 1) by basic operations only, right to a few units of the last place:
-   !> $$ \ln x = e \ln 2 + 2\,\mathrm{artanh}\frac{f-1}{f+1}, \quad x = 2^e f,\ \sqrt{1/2} \le f < \sqrt 2 $$
+   !> Natural logarithm of x in (0, 1) by basic operations only, right to a few units of the last
+   !> place:
+   !> $$ \ln x = e \ln 2 + 2\,\mathrm{artanh}\frac{f-1}{f+1}, \quad
+   !>    x = 2^e f,\ \sqrt{1/2} \le f < \sqrt 2 $$
    elemental real(dp) function portable_log(x)
       real(dp), intent(in) :: x
-      real(dp), parameter :: ln_2_high = 6.93147180369123816490e-01_dp      ! 32 bits, so that e*ln_2_high is exact
+      ! 32 bits, so that e*ln_2_high is exact
+      real(dp), parameter :: ln_2_high = 6.93147180369123816490e-01_dp
       real(dp), parameter :: ln_2_low = 1.90821492927058770002e-10_dp
       real(dp) :: f, t, t2, series
       integer :: e, k
@@ -175,7 +179,8 @@ contains
       end if
       t = (f - 1)/(f + 1)
       t2 = t*t
-      series = 0                                ! |t| <= 0.1716: the first term left out, t**24/25, is below 1e-19
+      ! |t| <= 0.1716: the first term left out, t**24/25, is below 1e-19
+      series = 0
       do k = 23, 3, -2
          series = t2*(1.0_dp/k + series)
       end do
@@ -186,9 +191,10 @@ contains
    pure subroutine jump(random)
       type(random_type), intent(inout) :: random
       ! the polynomial of Blackman and Vigna, the low half of each word first
-      integer(int64), parameter :: polynomial(8) = [int(z'3cfd0aba', int64), int(z'180ec6d3', int64), &
-         & int(z'f0c9392c', int64), int(z'd5a61266', int64), int(z'e03fc9aa', int64), int(z'a9582618', int64), &
-         & int(z'29b1661c', int64), int(z'39abdc45', int64)]
+      integer(int64), parameter :: polynomial(8) = [int(z'3cfd0aba', int64), &
+         int(z'180ec6d3', int64), int(z'f0c9392c', int64), int(z'd5a61266', int64), &
+         int(z'e03fc9aa', int64), int(z'a9582618', int64), int(z'29b1661c', int64), &
+         int(z'39abdc45', int64)]
       integer(int64) :: total(4), ignored
       integer :: i, bit
 
@@ -236,7 +242,8 @@ contains
       integer(int64), intent(in) :: a, b
       integer(int64) :: cross
 
-      cross = add_64(multiply_32(shiftr(a, 32), iand(b, low_half)), multiply_32(iand(a, low_half), shiftr(b, 32)))
+      cross = add_64(multiply_32(shiftr(a, 32), iand(b, low_half)), &
+         multiply_32(iand(a, low_half), shiftr(b, 32)))
       multiply_64 = add_64(multiply_32(iand(a, low_half), iand(b, low_half)), shiftl(cross, 32))
    end function multiply_64
 

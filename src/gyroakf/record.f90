@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A recording in memory: the value of every channel at evenly spaced instants, and what is known about it.
+!> A recording in memory: the value of every channel at evenly spaced instants.
 !>
 !> Missing samples are marked in `present` and keep their place; `value` is finite everywhere.
 module gyroakf_record
@@ -26,10 +26,9 @@ module gyroakf_record
       integer(int64) :: gaps = 0
       !> Those of them that are too long to be filled with missing samples
       integer(int64) :: jumps = 0
-      !> Double steps at even distances, not counted as gaps: lost samples, or a clock that counts in nearly the interval
+      !> Double steps at even distances, no gaps: losses or the beat of a coarse clock
       integer(int64) :: beats = 0
-      !> A rate that explains the stamps as well as `stamp_rate`, Hz: with losses where that takes them for beats, or the
-      !> reverse; 0 where there is none
+      !> A rate that explains the stamps as well as `stamp_rate`, by losses or beats, Hz; 0: none
       real(dp) :: other_rate = 0.0_dp
       !> Stamps equal to the one before
       integer(int64) :: duplicates = 0
@@ -43,20 +42,20 @@ module gyroakf_record
       real(dp) :: stamp_rate = 0.0_dp
       !> Largest distance of a stamp from the even grid, s
       real(dp) :: jitter_max = 0.0_dp
-      !> Line of the first duplicate, the first backward step, the first gap: [3], 0 where there is none
+      !> Line of the first duplicate, backward step and gap: [3], 0 where there is none
       integer(int64), allocatable :: line_of_first(:)
       !> Smallest and largest value: [channel], of the record's unit
       real(dp), allocatable :: minimum(:), maximum(:)
-      !> Smallest non-zero step between successive present samples: [channel], of the record's unit; 0 where there is none
+      !> Smallest non-zero step between neighbors: [channel], of the record's unit; 0 for none
       real(dp), allocatable :: quantisation(:)
-      !> Rows that repeat the one above, stamp and values, and were left out; the line of the first, 0 where there is none
+      !> Rows that repeat the one above, left out; the line of the first, 0 where there is none
       integer(int64) :: repeated = 0, line_of_repeat = 0
       !> Rows without a time that were left out, and the line of the first
       integer(int64) :: untimed = 0, line_of_untimed = 0
-      !> Places where the clock starts again (after a GPS week, 2^32 us) and is continued; the line of the first, its period, s
+      !> Restarts of the clock (GPS week, 2^32 us), continued; line of the first; period, s
       integer(int64) :: rollovers = 0, line_of_rollover = 0
       real(dp) :: rollover_period = 0.0_dp
-      !> Bursts: samples that were delivered at once, and late; the largest number; the line of the first
+      !> Bursts: samples delivered at once, and late; the largest; the line of the first
       integer(int64) :: bursts = 0, longest_burst = 0, line_of_burst = 0
       !> Changes of the rate for good; the line of the first, and the rates before and behind it, Hz
       integer(int64) :: rate_changes = 0, line_of_change = 0
@@ -67,8 +66,9 @@ module gyroakf_record
       real(dp) :: resolution = 0.0_dp
       !> Standard deviation of the distances of the stamps from the even grid, s
       real(dp) :: jitter_rms = 0.0_dp
-      !> Of samples placed by their stamps: slots of the grid without one, samples that were dropped, the largest shift, s, and
-      !> the part of white noise's variance that interpolation leaves
+      !> Of samples placed by their stamps: slots of the grid without one, samples that were
+      !> dropped, the largest shift, s, and the part of white noise's variance that interpolation
+      !> leaves
       integer(int64) :: empty_slots = 0, dropped = 0
       real(dp) :: largest_shift = 0.0_dp, white_noise = 1.0_dp
    end type audit_type
@@ -83,7 +83,7 @@ module gyroakf_record
       integer :: channel = 0
       !> True where it is the time, or a part of it
       logical :: is_time = .false.
-      !> Range and smallest step as the file has them; NaN where they were not asked for, or the column is not read
+      !> Range and smallest step as the file has them; NaN where not asked for or not read
       real(dp) :: minimum = 0.0_dp, maximum = 0.0_dp, step = 0.0_dp
    end type column_type
 
@@ -97,7 +97,7 @@ module gyroakf_record
       character(:), allocatable :: stored_type
       !> The samples: [sample, channel]; finite everywhere, 0 where missing
       real(dp), allocatable :: value(:, :)
-      !> 1 where a sample is present, 0 where it is missing: [sample, channel]; allocated only where something is missing
+      !> 1 present, 0 missing: [sample, channel]; allocated only where something is missing
       integer(int8), allocatable :: present(:, :)
       !> Names: [channel]
       type(text_type), allocatable :: channel(:)
@@ -111,7 +111,7 @@ module gyroakf_record
       character(:), allocatable :: rate_source
       !> Of the values; unknown where the channels have units of their own
       type(unit_type) :: unit
-      !> Of each channel: [channel]; allocated only where they differ (gyroscopes beside accelerometers)
+      !> Of each channel: [channel]; allocated only where they differ (gyros, accelerometers)
       type(unit_type), allocatable :: channel_unit(:)
       !> "option", "header" or "none"
       character(:), allocatable :: unit_source

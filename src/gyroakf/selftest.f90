@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Verifies this build against published test vectors and exact reference values.
 !>
-!> NBS14: W. J. Riley and D. A. Howe, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008), section 12.4: nine rates, and
-!> a thousand of the minimal standard generator n_0 = 1234567890, n_(i+1) = 16807 n_i mod 2147483647. Sums of twelve of its numbers
-!> less six are nearly normal noise e_t; y_t = e_t + a y_(t-1) is an AR(1) process (a = 0.7) or a random walk (a = 1). Their exact
-!> statistics were computed in rational arithmetic from the doubles of the series and rounded once.
+!> NBS14: W. J. Riley and D. A. Howe, Handbook of Frequency Stability Analysis, NIST SP 1065 (2008),
+!> section 12.4: nine rates, and a thousand of the minimal standard generator n_0 = 1234567890,
+!> n_(i+1) = 16807 n_i mod 2147483647. Sums of twelve of its numbers less six are nearly normal
+!> noise e_t; y_t = e_t + a y_(t-1) is an AR(1) process (a = 0.7) or a random walk (a = 1). Their
+!> exact statistics were computed in rational arithmetic from the doubles of the series and rounded
+!> once.
 module gyroakf_selftest
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
@@ -39,24 +41,30 @@ module gyroakf_selftest
 
    !> Relative: rounding of the sums of a thousand terms
    real(dp), parameter :: exact = 1.0e-11_dp
-   character(6), parameter :: kinds(7) = [character(6) :: "adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
-   real(dp), parameter :: nine(9) = [892.0_dp, 809.0_dp, 823.0_dp, 798.0_dp, 671.0_dp, 644.0_dp, 883.0_dp, 903.0_dp, 677.0_dp]
-   !> At 1 and 2 s. hdev at 1 s is printed as 70.80608; in rational arithmetic it is 70.806073, as ohdev is printed
-   real(dp), parameter :: of_nine(2, 7) = reshape([91.22945_dp, 115.8082_dp, 91.22945_dp, 85.95287_dp, 91.22945_dp, 74.78849_dp, &
-      52.67135_dp, 86.35831_dp, 70.80607_dp, 116.7980_dp, 70.80607_dp, 85.61487_dp, 91.22945_dp, 93.90379_dp], [2, 7])
-   !> At 1, 10 and 100 s. hdev at 100 s is printed as 3.910860e-02; in rational arithmetic it is 3.91086056e-02
-   real(dp), parameter :: of_thousand(3, 7) = reshape([2.922319e-1_dp, 9.965736e-2_dp, 3.897804e-2_dp, 2.922319e-1_dp, &
-      9.159953e-2_dp, 3.241343e-2_dp, 2.922319e-1_dp, 6.172376e-2_dp, 2.170921e-2_dp, 1.687202e-1_dp, 3.563623e-1_dp, &
-      1.253382e+0_dp, 2.943883e-1_dp, 1.052754e-1_dp, 3.910861e-2_dp, 2.943883e-1_dp, 9.581083e-2_dp, 3.237638e-2_dp, &
-      2.922319e-1_dp, 9.134743e-2_dp, 3.406530e-2_dp], [3, 7])
+   character(6), parameter :: kinds(7) = [character(6) :: "adev", "oadev", "mdev", "tdev", "hdev", &
+      "ohdev", "totdev"]
+   real(dp), parameter :: nine(9) = [892.0_dp, 809.0_dp, 823.0_dp, 798.0_dp, 671.0_dp, 644.0_dp, &
+      883.0_dp, 903.0_dp, 677.0_dp]
+   !> At 1 and 2 s. hdev at 1 s is printed as 70.80608; exactly it is 70.806073, as ohdev
+   real(dp), parameter :: of_nine(2, 7) = reshape([91.22945_dp, 115.8082_dp, 91.22945_dp, &
+      85.95287_dp, 91.22945_dp, 74.78849_dp, 52.67135_dp, 86.35831_dp, 70.80607_dp, 116.7980_dp, &
+      70.80607_dp, 85.61487_dp, 91.22945_dp, 93.90379_dp], [2, 7])
+   !> At 1, 10 and 100 s. hdev at 100 s is printed as 3.910860e-02; exactly it is 3.91086056e-02
+   real(dp), parameter :: of_thousand(3, 7) = reshape([2.922319e-1_dp, 9.965736e-2_dp, &
+      3.897804e-2_dp, 2.922319e-1_dp, 9.159953e-2_dp, 3.241343e-2_dp, 2.922319e-1_dp, &
+      6.172376e-2_dp, 2.170921e-2_dp, 1.687202e-1_dp, 3.563623e-1_dp, 1.253382e+0_dp, &
+      2.943883e-1_dp, 1.052754e-1_dp, 3.910861e-2_dp, 2.943883e-1_dp, 9.581083e-2_dp, &
+      3.237638e-2_dp, 2.922319e-1_dp, 9.134743e-2_dp, 3.406530e-2_dp], [3, 7])
    !> oadev at 2, 4, 8, 16, 32, 64, 100, 128, 256, 333, 499 and 500 s
-   real(dp), parameter :: exact_oadev(12) = [0.2010160421709385_dp, 0.1447913072184378_dp, 0.1057038500787000_dp, &
-      0.06191477841874487_dp, 0.04808214262128163_dp, 0.03623721298570472_dp, 0.03241343026056984_dp, 0.02767385582069448_dp, &
-      0.01028221763903273_dp, 0.008244123626136666_dp, 0.002832505364418703_dp, 0.002158165703661819_dp]
-   !> Of the noise: mean, variance, skewness, kurtosis; statistic and p-value of Jarque-Bera, Ljung-Box (10 lags), Fisher's g
-   real(dp), parameter :: of_white(10) = [-0.026799447876307864_dp, 0.9463224002903896_dp, 0.06991219991707069_dp, &
-      3.0055072631266455_dp, 0.8158830306718312_dp, 0.6650177710260406_dp, 14.79311288288673_dp, 0.1397886119827444_dp, &
-      0.013809472937182887_dp, 0.39489632455981305_dp]
+   real(dp), parameter :: exact_oadev(12) = [0.2010160421709385_dp, 0.1447913072184378_dp, &
+      0.1057038500787000_dp, 0.06191477841874487_dp, 0.04808214262128163_dp, &
+      0.03623721298570472_dp, 0.03241343026056984_dp, 0.02767385582069448_dp, &
+      0.01028221763903273_dp, 0.008244123626136666_dp, 0.002832505364418703_dp, &
+      0.002158165703661819_dp]
+   !> Of the noise: four moments; statistic and p-value of Jarque-Bera, Ljung-Box, Fisher's g
+   real(dp), parameter :: of_white(10) = [-0.026799447876307864_dp, 0.9463224002903896_dp, &
+      0.06991219991707069_dp, 3.0055072631266455_dp, 0.8158830306718312_dp, 0.6650177710260406_dp, &
+      14.79311288288673_dp, 0.1397886119827444_dp, 0.013809472937182887_dp, 0.39489632455981305_dp]
 
 contains
 
@@ -71,10 +79,11 @@ contains
       call generate(1, rate)
       do k = 1, size(kinds)
          call check_curve(result, "NBS14, 9 rates", kinds(k), nine, "1,2", of_nine(:, k), .true.)
-         call check_curve(result, "NBS14, 1000 rates", kinds(k), rate, "1,10,100", of_thousand(:, k), .true.)
+         call check_curve(result, "NBS14, 1000 rates", kinds(k), rate, "1,10,100", &
+            of_thousand(:, k), .true.)
       end do
-      call check_curve(result, "NBS14, exact values", "oadev", rate, "2,4,8,16,32,64,100,128,256,333,499,500", exact_oadev, &
-                       .false.)
+      call check_curve(result, "NBS14, exact values", "oadev", rate, &
+         "2,4,8,16,32,64,100,128,256,333,499,500", exact_oadev, .false.)
       call generate(12, white)
       ar1 = white
       walk = white
@@ -83,17 +92,25 @@ contains
          walk(k) = white(k) + walk(k - 1)
       end do
       call check_white(result, white)
-      call check_model(result, ar1, "yw", [0.7110825650005402_dp, -0.035155094816911835_dp, 0.9438591163364932_dp])
-      call check_model(result, ar1, "burg", [0.7111670023214032_dp, -0.03506192739963276_dp, 0.9435131374995934_dp])
-      call check_model(result, ar1, "ols", [0.7110045660283869_dp, -0.03505678703123156_dp, 0.9450511784482113_dp])
-      call check_root(result, "white noise", white, "c", [-13.530028194388949_dp, 6.0_dp, 0.02874116848154657_dp, 7.0_dp])
-      call check_root(result, "AR(1)", ar1, "c", [-11.23935537241675_dp, 5.0_dp, 0.03995536733960086_dp, 14.0_dp])
-      call check_root(result, "AR(1)", ar1, "ct", [-11.23486614424041_dp, 5.0_dp, 0.03781483941823974_dp, 14.0_dp])
-      call check_root(result, "random walk", walk, "c", [-1.7073900452671886_dp, 0.0_dp, 3.6749962525187274_dp, 19.0_dp])
-      call check_root(result, "random walk", walk, "ct", [-3.108646539822347_dp, 0.0_dp, 0.5739503971100055_dp, 19.0_dp])
+      call check_model(result, ar1, "yw", [0.7110825650005402_dp, -0.035155094816911835_dp, &
+         0.9438591163364932_dp])
+      call check_model(result, ar1, "burg", [0.7111670023214032_dp, -0.03506192739963276_dp, &
+         0.9435131374995934_dp])
+      call check_model(result, ar1, "ols", [0.7110045660283869_dp, -0.03505678703123156_dp, &
+         0.9450511784482113_dp])
+      call check_root(result, "white noise", white, "c", [-13.530028194388949_dp, 6.0_dp, &
+         0.02874116848154657_dp, 7.0_dp])
+      call check_root(result, "AR(1)", ar1, "c", [-11.23935537241675_dp, 5.0_dp, &
+         0.03995536733960086_dp, 14.0_dp])
+      call check_root(result, "AR(1)", ar1, "ct", [-11.23486614424041_dp, 5.0_dp, &
+         0.03781483941823974_dp, 14.0_dp])
+      call check_root(result, "random walk", walk, "c", [-1.7073900452671886_dp, 0.0_dp, &
+         3.6749962525187274_dp, 19.0_dp])
+      call check_root(result, "random walk", walk, "ct", [-3.108646539822347_dp, 0.0_dp, &
+         0.5739503971100055_dp, 19.0_dp])
    end subroutine run_selftest
 
-   !> Compares computed values with expected ones and records the pair that differs most for its tolerance.
+   !> Compares values with expected ones and records the pair that differs most for its tolerance.
    subroutine add_check(result, group, name, expected, got, printed, error)
       !> Gets one check
       type(selftest_type), intent(inout) :: result
@@ -159,13 +176,17 @@ contains
       type(error_type), allocatable :: error
 
       call compute_moments(x, of)
-      call add_check(result, group, "moments", of_white(:4), [of%mean, of%variance, of%skewness, of%kurtosis], .false.)
+      call add_check(result, group, "moments", of_white(:4), &
+         [of%mean, of%variance, of%skewness, of%kurtosis], .false.)
       call test_jarque_bera(of, normal, error)
-      call add_check(result, group, "Jarque-Bera", of_white(5:6), [normal%statistic, normal%p_value], .false., error)
+      call add_check(result, group, "Jarque-Bera", of_white(5:6), &
+         [normal%statistic, normal%p_value], .false., error)
       call test_ljung_box(x, 10, 0, white, error)
-      call add_check(result, group, "Ljung-Box, 10 lags", of_white(7:8), [white%statistic, white%p_value], .false., error)
+      call add_check(result, group, "Ljung-Box, 10 lags", of_white(7:8), &
+         [white%statistic, white%p_value], .false., error)
       call test_fisher_g(x, fisher, error)
-      call add_check(result, group, "Fisher's g", of_white(9:), [fisher%statistic, fisher%p_value], .false., error)
+      call add_check(result, group, "Fisher's g", of_white(9:), &
+         [fisher%statistic, fisher%p_value], .false., error)
    end subroutine check_white
 
    !> Coefficients and noise variance of an AR(2) model.

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Sorting of real numbers, in time n log n whatever their order.
 !>
-!> Runs of 32 numbers are sorted by insertion, then neighbors are merged between the array and a work space of the
-!> same length, all pairs of a level by all threads. The sorted array does not depend on the threads.
+!> Runs of 32 numbers are sorted by insertion, then neighbors are merged between the array and a
+!> work space of the same length, all pairs of a level by all threads. The sorted array does not
+!> depend on the threads.
 module gyroakf_sort
    use gyroakf_kinds, only : dp, int64
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_chunks, only : threads_from
    implicit none (type, external)
    private
@@ -14,17 +15,16 @@ module gyroakf_sort
 
    !> Numbers that are sorted by insertion
    integer(int64), parameter :: run_length = 32
-   !> Numbers that are sorted into runs, or merged, between two reports of progress, a multiple of it
+   !> Numbers sorted into runs, or merged, between two reports of progress, a multiple of it
    integer(int64), parameter :: report_numbers = 4194304
 
 contains
 
-   !> Sorts in ascending order. Source: merge sort from the bottom up, Knuth, The Art of Computer Programming 3, 5.2.4.
+   !> Sorts in ascending order: merge sort from the bottom up (Knuth, TAOCP 3, 5.2.4).
    subroutine sort_values(x, error, progress)
       !> Numbers: [n], n >= 0, no NaN; sorted afterwards
       real(dp), intent(inout), contiguous, target :: x(:)
-      !> `no_memory`: another n numbers are needed as work space; x is unchanged then; `cancelled`: x is
-      !> in some other order
+      !> no_memory: n numbers of work space, x is unchanged; cancelled: x is in another order
       type(error_type), allocatable, intent(out) :: error
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
@@ -36,10 +36,8 @@ contains
       n = size(x, kind=int64)
       if (n > run_length) then
          allocate (work(n), stat=stat)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for sorting the series")
-            return
-         end if
+         call check_memory(stat, "sorting the series", error)
+         if (allocated(error)) return
       end if
       do first = 1, n, report_numbers
          if (n > report_numbers) call report_progress("sorting", first - 1, n, error, progress)
@@ -71,7 +69,6 @@ contains
 
    !> Sorts a few numbers by insertion.
    pure subroutine sort_run(x)
-      !> Numbers: [n]
       real(dp), intent(inout), contiguous :: x(:)
       real(dp) :: value
       integer :: i, j
@@ -88,17 +85,14 @@ contains
 
    !> Merges some pairs of sorted runs.
    subroutine merge_level(from, to, width, begin, end)
-      !> Runs of `width` numbers, the last may be shorter: [n]
       real(dp), intent(in), contiguous :: from(:)
-      !> Runs of twice as many: [n]
       real(dp), intent(inout), contiguous :: to(:)
-      !> Length of a run
       integer(int64), intent(in) :: width
-      !> First and last number of the pairs
       integer(int64), intent(in) :: begin, end
       integer(int64) :: first, middle, last
 
-      !$omp parallel do if (end - begin >= threads_from) default(shared) private(middle, last) schedule(static)
+      !$omp parallel do if (end - begin >= threads_from) default(shared) private(middle, last) &
+      !$omp& schedule(static)
       do first = begin, end, 2*width
          middle = min(first + width - 1, end)
          last = min(first + 2*width - 1, end)
@@ -109,9 +103,7 @@ contains
 
    !> Merges two sorted runs.
    pure subroutine merge_runs(a, b, both)
-      !> Sorted: [m] and [n], n may be 0
       real(dp), intent(in), contiguous :: a(:), b(:)
-      !> Sorted: [m + n]
       real(dp), intent(inout), contiguous :: both(:)
       integer(int64) :: i, j, k, m, n
 

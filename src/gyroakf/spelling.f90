@@ -9,7 +9,6 @@ contains
 
    !> The text with A-Z in lower case; other bytes (UTF-8) stay.
    pure function lower(text) result(low)
-      !> Any text
       character(*), intent(in) :: text
       character(len(text)) :: low
       integer :: i, code
@@ -23,11 +22,9 @@ contains
 
    !> Replaces every occurrence of `old` in a text by `new`, from left to right.
    pure subroutine replace_all(text, old, new)
-      !> Any text
       character(:), allocatable, intent(inout) :: text
       !> What is looked for, not empty
       character(*), intent(in) :: old
-      !> What stands there afterwards
       character(*), intent(in) :: new
       character(:), allocatable :: changed
       integer :: from, at
@@ -45,7 +42,7 @@ contains
 
    !> Index of the known word that is nearest to a misspelt one, 0 where none is near.
    !>
-   !> Near means: at most a third of the longer word's letters (and at least one) have to be changed.
+   !> Near: at most a third of the longer word's letters, or one, have to be changed.
    pure integer function nearest_word(word, known)
       !> The misspelt word; case does not matter
       character(*), intent(in) :: word
@@ -63,30 +60,22 @@ contains
       end do
    end function nearest_word
 
-   !> Least number of letters to insert, delete, replace or swap with the neighbor to turn one word into another
-   !> (restricted Damerau-Levenshtein distance).
+   !> Restricted Damerau-Levenshtein distance: letters to insert, delete, replace or swap.
    pure integer function edit_distance(a, b)
-      !> First word
       character(*), intent(in) :: a
-      !> Second word
       character(*), intent(in) :: b
       integer :: d(-1:len(a), -1:len(b)), i, j, cost
 
       d(-1, :) = len(a) + len(b)
       d(:, -1) = len(a) + len(b)
-      do i = 0, len(a)
-         d(i, 0) = i
-      end do
-      do j = 0, len(b)
-         d(0, j) = j
-      end do
+      d(0:, 0) = [(i, i=0, len(a))]
+      d(0, 0:) = [(j, j=0, len(b))]
       do j = 1, len(b)
          do i = 1, len(a)
             cost = merge(0, 1, a(i:i) == b(j:j))
             d(i, j) = min(d(i - 1, j) + 1, d(i, j - 1) + 1, d(i - 1, j - 1) + cost)
-            if (a(i:i) == b(max(j - 1, 1):max(j - 1, 1)) .and. a(max(i - 1, 1):max(i - 1, 1)) == b(j:j)) then
-               d(i, j) = min(d(i, j), d(i - 2, j - 2) + 1)
-            end if
+            if (a(i:i) == b(max(j - 1, 1):max(j - 1, 1)) .and. &
+               a(max(i - 1, 1):max(i - 1, 1)) == b(j:j)) d(i, j) = min(d(i, j), d(i - 2, j - 2) + 1)
          end do
       end do
       edit_distance = d(len(a), len(b))

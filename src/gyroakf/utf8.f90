@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Characters in a row of bytes: how many there are, whether they are UTF-8 at all, and UTF-8 made of what is not.
+!> Characters in bytes: how many there are, whether they are UTF-8, UTF-8 made of what is not.
 module gyroakf_utf8
    implicit none (type, external)
    private
@@ -9,27 +9,20 @@ contains
 
    !> Characters of a UTF-8 text.
    pure integer function text_width(text)
-      !> Any bytes
       character(*), intent(in) :: text
       integer :: i
 
-      text_width = 0
-      do i = 1, len(text)
-         if (.not. is_continuation(text(i:i))) text_width = text_width + 1
-      end do
+      text_width = count([(.not. is_continuation(text(i:i)), i=1, len(text))])
    end function text_width
 
-   !> The byte goes on with a character that began before it.
    pure logical function is_continuation(byte)
-      !> One byte
       character(1), intent(in) :: byte
 
       is_continuation = iand(ichar(byte), 192) == 128
    end function is_continuation
 
-   !> Bytes of the UTF-8 sequence that text begins with; 0 where it is not one (also overlong, surrogate, above U+10FFFF).
+   !> Bytes of the UTF-8 sequence that text begins with; 0 for none (overlong, surrogate, ...).
    pure integer function sequence_length(text)
-      !> Any bytes
       character(*), intent(in) :: text
       integer :: lead, second, i
 
@@ -53,7 +46,7 @@ contains
       if (lead == 244 .and. second > 143) sequence_length = 0
    end function sequence_length
 
-   !> Makes text that can be shown: control characters become question marks, and what is not UTF-8 is taken as Latin-1.
+   !> Makes text that can be shown: `?` for control characters, Latin-1 where it is not UTF-8.
    pure subroutine make_readable(text, lines)
       !> Any bytes; afterwards UTF-8 without control characters
       character(:), allocatable, intent(inout) :: text
@@ -75,7 +68,8 @@ contains
          if (length == 0 .and. code >= 160) then
             shown(filled + 1:filled + 2) = achar(192 + code/64)//achar(128 + modulo(code, 64))
             filled = filled + 2
-         else if ((code < 32 .or. code == 127 .or. length == 0) .and. .not. (code == 10 .and. present(lines))) then
+         else if ((code < 32 .or. code == 127 .or. length == 0) .and. &
+            .not. (code == 10 .and. present(lines))) then
             shown(filled + 1:filled + 1) = "?"
             filled = filled + 1
          else

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Equivalent degrees of freedom (edf) of Allan-family variances, and confidence limits from them.
 !>
-!> An estimate with edf degrees of freedom is distributed like its expectation times chi-square(edf)/edf.
-!> The algorithm is that of C. A. Greenhall, W. J. Riley, "Uncertainty of stability variances based on
-!> finite differences", Proc. 35th PTTI Meeting (2003), complete, with the short cases of white phase
-!> noise. Notation of the paper: difference d (1 first differences, 2 Allan, 3 Hadamard), filter factor F,
-!> stride factor S, number of estimates M', r = M'/S.
+!> An estimate with edf degrees of freedom is distributed like its expectation times
+!> chi-square(edf)/edf. The algorithm is that of C. A. Greenhall, W. J. Riley, "Uncertainty of
+!> stability variances based on finite differences", Proc. 35th PTTI Meeting (2003), complete, with
+!> the short cases of white phase noise. Notation of the paper: difference d (1 first differences, 2
+!> Allan, 3 Hadamard), filter factor F, stride factor S, number of estimates M', number of terms J,
+!> r = M'/S; lags are in units of m.
 module gyroakf_allan_degrees_of_freedom
    use gyroakf_kinds, only : dp, int64
    use gyroakf_special, only : chi_square_quantile, normal_quantile
@@ -19,17 +20,23 @@ module gyroakf_allan_degrees_of_freedom
    real(dp), parameter :: edf_min = 0.1_dp, edf_max = 1e6_dp
    !> Filter factor that stands for infinity
    real(dp), parameter :: unlimited = 0.0_dp
+   !> Table 3 of the paper: b0, b1 of flicker phase noise for each difference
+   real(dp), parameter :: table3(2, 3) = &
+      & reshape([6.0_dp, 4.0_dp, 15.23_dp, 12.0_dp, 47.8_dp, 40.0_dp], [2, 3])
 
 contains
 
-   !> Equivalent degrees of freedom of a variance of finite differences, 0 where the record is too short.
-   pure real(dp) function greenhall_edf(phases, m, alpha, difference, modified, overlapped) result(edf)
+   !> Equivalent degrees of freedom of a variance of finite differences, 0 where the record is too
+   !> short.
+   pure real(dp) function greenhall_edf(phases, m, alpha, difference, modified, &
+      & overlapped) result(edf)
       !> Phase points: one more than rate samples
       integer(int64), intent(in) :: phases
       !> Averaging factor, >= 1
       integer(int64), intent(in) :: m
-      !> Exponent of the power-law noise of the rate, spectrum ~ f**alpha: 2 white phase (quantisation), 1 flicker
-      !> phase, 0 white rate, -1 flicker, -2 random walk; moved to the nearest value the difference can handle, 2 .. 2 - 2 d
+      !> Exponent of the power-law noise of the rate, spectrum ~ f**alpha: 2 white phase
+      !> (quantisation), 1 flicker phase, 0 white rate, -1 flicker, -2 random walk; moved to the
+      !> nearest value the difference can handle, 2 .. 2 - 2 d
       integer, intent(in) :: alpha
       !> Order of the difference: 1, 2 (Allan) or 3 (Hadamard)
       integer, intent(in) :: difference
@@ -39,6 +46,7 @@ contains
       logical, intent(in) :: overlapped
 
       integer(int64) :: stride, estimates, length
+      real(dp) :: scale
       integer :: a, d
 
       d = min(max(difference, 1), 3)
@@ -55,83 +63,51 @@ contains
       if (modified) then
          edf = edf_filtered(estimates, stride, 1.0_dp, 1.0_dp, a, d, table1(a, d))
       else if (a <= 0) then
-         edf = edf_filtered(estimates, stride, merge(real(m, dp), unlimited, m*(d + 1) <= terms_max), unlimited, a, d, table2(a, d))
+         edf = edf_filtered(estimates, stride, &
+            & merge(real(m, dp), unlimited, m*(d + 1) <= terms_max), unlimited, a, d, table2(a, d))
       else if (a == 1) then
-         edf = edf_flicker_phase(estimates, stride, m, d)
+         scale = table3(1, d) + table3(2, d)*log(real(m, dp))
+         edf = edf_filtered(estimates, stride, real(m, dp), unlimited, a, d, table2(a, d), scale)
       else
          edf = edf_white_phase(estimates, stride, d)
       end if
    end function greenhall_edf
 
-   !> Cases 1 and 2 of the paper: modified variances, and unmodified ones with alpha <= 0.
-   pure real(dp) function edf_filtered(estimates, stride, filter, filter_long, alpha, d, table) result(edf)
-      !> Estimates M'
-      integer(int64), intent(in) :: estimates
-      !> Stride factor S
-      integer(int64), intent(in) :: stride
+   !> Cases 1 to 3 of the paper: modified variances, and unmodified ones with alpha <= 1.
+   pure real(dp) function edf_filtered(estimates, stride, filter, filter_long, alpha, d, table, &
+      & scale) result(edf)
+      integer(int64), intent(in) :: estimates, stride
       !> Filter factor F of the direct sum, and of the scaled one
       real(dp), intent(in) :: filter, filter_long
-      !> Noise exponent
-      integer, intent(in) :: alpha
-      !> Order of the difference
-      integer, intent(in) :: d
+      integer, intent(in) :: alpha, d
       !> a0, a1
       real(dp), intent(in) :: table(2)
-
-      real(dp) :: r, s
+      !> b0 + b1 ln m of flicker phase noise
+      real(dp), intent(in), optional :: scale
+      real(dp) :: r, s, top
       integer(int64) :: terms
 
       terms = min(estimates, (d + 1)*stride)
       r = real(estimates, dp)/real(stride, dp)
       if (terms <= terms_max) then
          s = real(estimates, dp)
-         edf = s*structure_z(0.0_dp, filter, alpha, d)**2/basic_sum(terms, s, real(stride, dp), filter, alpha, d)
+         edf = s*structure_z(0.0_dp, filter, alpha, d)**2/basic_sum(terms, s, &
+            & real(stride, dp), filter, alpha, d)
       else if (r > d + 1) then
          edf = r/(table(1) - table(2)/r)
+         if (present(scale)) edf = scale**2*edf
       else
          s = real(terms_max, dp)
-         edf = s*structure_z(0.0_dp, filter_long, alpha, d)**2/basic_sum(terms_max, s, s/r, filter_long, alpha, d)
+         top = structure_z(0.0_dp, filter_long, alpha, d)**2
+         if (present(scale)) top = scale**2
+         edf = s*top/basic_sum(terms_max, s, s/r, filter_long, alpha, d)
       end if
    end function edf_filtered
 
-   !> Case 3: flicker phase noise, unmodified.
-   pure real(dp) function edf_flicker_phase(estimates, stride, m, d) result(edf)
-      !> Estimates M'
-      integer(int64), intent(in) :: estimates
-      !> Stride factor S
-      integer(int64), intent(in) :: stride
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-      !> Order of the difference
-      integer, intent(in) :: d
-
-      real(dp) :: r, s, scale, table(2)
-      integer(int64) :: terms
-
-      terms = min(estimates, (d + 1)*stride)
-      r = real(estimates, dp)/real(stride, dp)
-      scale = table3(1, d) + table3(2, d)*log(real(m, dp))
-      table = table2(1, d)
-      if (terms <= terms_max) then
-         s = real(estimates, dp)
-         edf = s*structure_z(0.0_dp, real(m, dp), 1, d)**2/basic_sum(terms, s, real(stride, dp), real(m, dp), 1, d)
-      else if (r > d + 1) then
-         edf = scale**2*r/(table(1) - table(2)/r)
-      else
-         s = real(terms_max, dp)
-         edf = s*scale**2/basic_sum(terms_max, s, s/r, unlimited, 1, d)
-      end if
-   end function edf_flicker_phase
-
    !> Case 4: white phase noise, unmodified.
    pure real(dp) function edf_white_phase(estimates, stride, d) result(edf)
-      !> Estimates M'
-      integer(int64), intent(in) :: estimates
-      !> Stride factor S
-      integer(int64), intent(in) :: stride
-      !> Order of the difference
+      integer(int64), intent(in) :: estimates, stride
       integer, intent(in) :: d
-
       real(dp) :: r, total
       integer :: k
 
@@ -149,66 +125,48 @@ contains
 
    !> Sum of the squared correlations of the estimates, times structure_z(0)**2.
    pure real(dp) function basic_sum(terms, estimates, stride, filter, alpha, d) result(total)
-      !> Terms J
       integer(int64), intent(in) :: terms
-      !> Estimates M'
-      real(dp), intent(in) :: estimates
-      !> Stride factor S
-      real(dp), intent(in) :: stride
-      !> Filter factor F
-      real(dp), intent(in) :: filter
-      !> Noise exponent
-      integer, intent(in) :: alpha
-      !> Order of the difference
-      integer, intent(in) :: d
-
+      real(dp), intent(in) :: estimates, stride, filter
+      integer, intent(in) :: alpha, d
       integer(int64) :: j
 
       total = structure_z(0.0_dp, filter, alpha, d)**2 &
-         & + (1 - real(terms, dp)/estimates)*structure_z(real(terms, dp)/stride, filter, alpha, d)**2
+         & + (1 - real(terms, dp)/estimates) &
+         & *structure_z(real(terms, dp)/stride, filter, alpha, d)**2
       do j = 1, terms - 1
-         total = total + 2*(1 - real(j, dp)/estimates)*structure_z(real(j, dp)/stride, filter, alpha, d)**2
+         total = total + 2*(1 - real(j, dp)/estimates)*structure_z(real(j, dp)/stride, filter, &
+            & alpha, d)**2
       end do
    end function basic_sum
 
    !> Generalised autocovariance of the d-th difference of the filtered phase.
    pure real(dp) function structure_z(t, filter, alpha, d) result(s)
-      !> Lag in units of m
-      real(dp), intent(in) :: t
-      !> Filter factor F
-      real(dp), intent(in) :: filter
-      !> Noise exponent
-      integer, intent(in) :: alpha
-      !> Order of the difference
-      integer, intent(in) :: d
-
+      real(dp), intent(in) :: t, filter
+      integer, intent(in) :: alpha, d
       integer :: k
 
       s = binomial(2*d, d)*structure_x(t, filter, alpha)
       do k = 1, d
-         s = s + (-1)**k*binomial(2*d, d - k)*(structure_x(t - k, filter, alpha) + structure_x(t + k, filter, alpha))
+         s = s + (-1)**k*binomial(2*d, d - k)*(structure_x(t - k, filter, alpha) &
+            & + structure_x(t + k, filter, alpha))
       end do
    end function structure_z
 
    !> The same of the filtered phase.
    pure real(dp) function structure_x(t, filter, alpha) result(s)
-      !> Lag in units of m
-      real(dp), intent(in) :: t
-      !> Filter factor F
-      real(dp), intent(in) :: filter
-      !> Noise exponent
+      real(dp), intent(in) :: t, filter
       integer, intent(in) :: alpha
 
       if (filter <= unlimited) then
          s = structure_w(t, alpha + 2)
       else
-         s = filter**2*(2*structure_w(t, alpha) - structure_w(t - 1/filter, alpha) - structure_w(t + 1/filter, alpha))
+         s = filter**2*(2*structure_w(t, alpha) - structure_w(t - 1/filter, alpha) &
+            & - structure_w(t + 1/filter, alpha))
       end if
    end function structure_x
 
    !> The same of pure power-law noise, up to a factor.
    pure real(dp) function structure_w(t, alpha) result(s)
-      !> Lag
       real(dp), intent(in) :: t
       !> Exponent, even: |t|**(3 - alpha), odd: t**(3 - alpha) ln|t|
       integer, intent(in) :: alpha
@@ -225,9 +183,7 @@ contains
 
    !> Binomial coefficient of small numbers.
    pure real(dp) function binomial(n, k)
-      !> Upper and lower number, 0 <= k <= n
       integer, intent(in) :: n, k
-
       integer :: i
 
       binomial = 1
@@ -238,12 +194,8 @@ contains
 
    !> Table 1 of the paper: a0, a1 of modified variances.
    pure function table1(alpha, d) result(a)
-      !> Noise exponent
-      integer, intent(in) :: alpha
-      !> Order of the difference
-      integer, intent(in) :: d
+      integer, intent(in) :: alpha, d
       real(dp) :: a(2)
-
       real(dp) :: t(2, 3)
 
       t = 0
@@ -261,12 +213,8 @@ contains
 
    !> Table 2: unmodified variances.
    pure function table2(alpha, d) result(a)
-      !> Noise exponent
-      integer, intent(in) :: alpha
-      !> Order of the difference
-      integer, intent(in) :: d
+      integer, intent(in) :: alpha, d
       real(dp) :: a(2)
-
       real(dp) :: t(2, 3)
 
       t = 0
@@ -280,18 +228,6 @@ contains
       end select
       a = t(:, d)
    end function table2
-
-   !> Table 3: b0, b1 of flicker phase noise.
-   pure real(dp) function table3(which, d)
-      !> 1 for b0, 2 for b1
-      integer, intent(in) :: which
-      !> Order of the difference
-      integer, intent(in) :: d
-
-      real(dp), parameter :: t(2, 3) = reshape([6.0_dp, 4.0_dp, 15.23_dp, 12.0_dp, 47.8_dp, 40.0_dp], [2, 3])
-
-      table3 = t(which, d)
-   end function table3
 
    !> Two-sided confidence limits of a deviation.
    !>
@@ -316,9 +252,9 @@ contains
 
    !> Quantile of chi-square divided by its degrees of freedom.
    pure real(dp) function scaled_quantile(p, edf) result(q)
-      !> Probability
       real(dp), intent(in) :: p
-      !> Degrees of freedom; from 1e6 on by the cube of a normal variable (Wilson & Hilferty 1931, exact to 1e-10 there)
+      !> Degrees of freedom; from 1e6 on by the cube of a normal variable (Wilson & Hilferty 1931,
+      !> exact to 1e-10 there)
       real(dp), intent(in) :: edf
 
       if (edf < edf_max) then

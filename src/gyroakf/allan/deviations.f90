@@ -7,103 +7,79 @@
 !>     call compute_allan(rate, sample_interval, options, curve, error)
 !>     call compute_allan_from_phase(angle, sample_interval, options, curve, error)
 !>
-!> With x_0 = 0, x_k the sum of the first k rates less their mean (n rates: n + 1 phases) and T terms:
+!> With x_0 = 0, x_k the sum of the first k rates less their mean (n rates: n + 1 phases),
+!> and T terms:
 !>
 !> $$ \mathrm{oadev}^2 = \frac{1}{2 m^2 T} \sum_{k=0}^{n-2m} (x_{k+2m} - 2 x_{k+m} + x_k)^2, \quad
-!>    \mathrm{ohdev}^2 = \frac{1}{6 m^2 T} \sum_{k=0}^{n-3m} (x_{k+3m} - 3 x_{k+2m} + 3 x_{k+m} - x_k)^2 $$
+!>    \mathrm{ohdev}^2 =
+!>    \frac{1}{6 m^2 T} \sum_{k=0}^{n-3m} (x_{k+3m} - 3 x_{k+2m} + 3 x_{k+m} - x_k)^2 $$
 !>
-!> adev and hdev are the same with k = 0, m, 2m ... (the Hadamard deviations do not see a steady drift of the rate);
+!> adev and hdev are the same with k = 0, m, 2m ... (the Hadamard deviations do not see a steady
+!> drift of the rate);
 !>
-!> $$ \mathrm{mdev}^2 = \frac{1}{2 m^4 T} \sum_{j=0}^{n-3m+1} \Bigl( \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i) \Bigr)^2,
+!> $$ \mathrm{mdev}^2 = \frac{1}{2 m^4 T} \sum_{j=0}^{n-3m+1}
+!>    \Bigl( \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i) \Bigr)^2,
 !>    \quad \mathrm{tdev} = \frac{\tau}{\sqrt 3} \mathrm{mdev} $$
 !>
-!> (tdev in the unit of the rate times seconds), and the total deviation over the phase x* continued by odd reflection
+!> (tdev in the unit of the rate times seconds), and the total deviation over the phase x* continued
+!> by odd reflection
 !>
-!> $$ \mathrm{totdev}^2 = \frac{1}{2 m^2 (n - 1)} \sum_{k=1}^{n-1} (x^*_{k+m} - 2 x^*_k + x^*_{k-m})^2 $$
+!> $$ \mathrm{totdev}^2 =
+!>    \frac{1}{2 m^2 (n - 1)} \sum_{k=1}^{n-1} (x^*_{k+m} - 2 x^*_k + x^*_{k-m})^2 $$
 !>
-!> as it is, without correction of its bias: the expectation is that of oadev^2 times 1 - a tau/T, T the length of the record, a =
-!> 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate noise.
+!> as it is, without correction of its bias: the expectation is that of oadev^2 times 1 - a tau/T, T
+!> the length of the record, a = 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate
+!> noise.
 !>
-!> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008), section 5.2.
-!> Missing samples: [[gapped_variances]].
+!> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008),
+!> section 5.2. Missing samples: [[gapped_variances]].
 module gyroakf_allan_deviations
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
-   use gyroakf_allan_difference_kurtosis, only : find_kurtosis
+   use gyroakf_allan_block_sums, only : block_sums_type, sum_blocks
+   use gyroakf_allan_curve, only : allan_curve_type, fill_curve, fill_limits, fill_octaves
    use gyroakf_allan_gaps, only : gapped_variances
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_identification, only : identify_noise
-   use gyroakf_allan_phase, only : integrate_rate, level_phase
+   use gyroakf_allan_phase, only : integrate_blocks, level_phase
    use gyroakf_allan_phase_average, only : sum_phase_averages
    use gyroakf_allan_reflection, only : add_reflected_differences
    use gyroakf_allan_phase_difference, only : sum_phase_differences
-   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, statistic_edf, term_count, &
-      & variance_divisor
+   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, &
+      & term_count, variance_divisor
+   use gyroakf_allan_thin_phase, only : choose_step, fill_from_few_phases
    use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
-   public :: check_arguments, octaves_type
 
    !> What to compute
    type :: allan_options
-      !> Statistic: "adev", "oadev" (overlapping Allan deviation), "mdev", "tdev", "hdev", "ohdev" or "totdev"
+      !> Statistic: "adev", "oadev" (overlapping Allan deviation), "mdev", "tdev", "hdev", "ohdev"
+      !> or "totdev"
       character(8) :: kind = "oadev"
-      !> Averaging times: "octave" (also when unallocated), "decade", "log:N", "all", or seconds separated by commas
+      !> Averaging times: "octave" (also when unallocated), "decade", "log:N", "all", or seconds
+      !> separated by commas
       character(:), allocatable :: taus
       !> Probability between the limits, > 0, < 1
       real(dp) :: confidence = 0.683_dp
-      !> Share of a window that must be present, > 0, <= 1, but for scattered losses ([[window_coverage]]); 1 demands complete
-      !> windows
+      !> Share of a window that must be present, > 0, <= 1, but for scattered losses
+      !> ([[window_coverage]]); 1 demands complete windows
       real(dp) :: min_coverage = 0.9_dp
    end type allan_options
-
-   !> What a noise fit needs of a record: its overlapping Allan variances at m = 1, 2, 4, ... up to a quarter of it
-   type :: octaves_type
-      !> Averaging factors
-      integer(int64), allocatable :: m(:)
-      !> Variances; excess kurtosis of the white noise per sample as seen at each factor; degrees of freedom as a share of
-      !> those of a complete record
-      real(dp), allocatable :: variance(:), kurtosis(:), share(:)
-   end type octaves_type
-
-   !> A deviation curve; arrays have one element per averaging time, ascending
-   type :: allan_curve_type
-      !> Statistic
-      character(8) :: kind = "oadev"
-      !> Seconds
-      real(dp) :: sample_interval = 1.0_dp
-      !> Samples of the record, missing ones included
-      integer(int64) :: samples = 0
-      !> Probability between the limits
-      real(dp) :: confidence = 0.683_dp
-      !> Averaging factors, and terms that were averaged
-      integer(int64), allocatable :: m(:), terms(:)
-      !> Averaging factors that are not in the curve: missing samples leave no term
-      integer(int64), allocatable :: left_out(:)
-      !> Averaging times in seconds; deviation and its limits in the unit of the rate; equivalent degrees of freedom
-      real(dp), allocatable :: tau(:), deviation(:), lower(:), upper(:), edf(:)
-      !> Exponent of the power-law noise that dominates (2 quantisation, 0 white, -1 flicker, -2 random walk)
-      integer, allocatable :: alpha(:)
-      !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples are missing or terms left out
-      real(dp), allocatable :: share(:)
-      !> For [[fit_noise]], whatever the averaging times are; filled where kind is "oadev"
-      type(octaves_type) :: octaves
-   end type allan_curve_type
 
 contains
 
    !> Deviation curve of a rate record with chi-square confidence limits.
    !>
-   !> The degrees of freedom are those of the power-law noise identified at each averaging time (Greenhall &
-   !> Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] replaces those of
-   !> the overlapping Allan deviation by those of the fitted mixture.
-   !> Cost: three passes and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
+   !> The degrees of freedom are those of the power-law noise identified at each averaging time
+   !> (Greenhall & Riley 2003), reduced by the share of terms lost to gaps; [[fit_noise]] replaces
+   !> those of the overlapping Allan deviation by those of the fitted mixture. Cost: three passes
+   !> and O(n) per averaging time; memory 8 bytes a sample, 12 where some are missing.
    subroutine compute_allan(rate, sample_interval, options, curve, error, valid, progress)
-      !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity count as missing
+      !> Rate samples, evenly spaced: [n], n >= 2 (3 for the Hadamard deviations); NaN and infinity
+      !> count as missing
       real(dp), intent(in), contiguous :: rate(:)
       !> Seconds, > 0
       real(dp), intent(in) :: sample_interval
@@ -118,18 +94,36 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
+      type(block_sums_type) :: blocks
       real(dp), allocatable :: phase(:)
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
+      integer :: place
 
       call check_arguments(sample_interval, options, error)
-      if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), sample_interval, m, error)
-      if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
-      if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
+      if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), &
+         & sample_interval, m, error)
+      if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, &
+         & progress)
+      if (.not. allocated(error)) call sum_blocks(rate, blocks, error, valid)
+      if (allocated(error)) return
+      call begin_curve(options, size(rate, kind=int64), sample_interval, curve)
+      place = 0
+      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) then
+         place = choose_step(size(rate, kind=int64), m)
+      end if
+      if (place > 0) then
+         call fill_from_few_phases(rate, blocks, m, place, options%min_coverage, curve, error, &
+            & progress)
+      else
+         call integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
+         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, options, curve, error, &
+            & progress)
+      end if
    end subroutine compute_allan
 
-   !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the sample intervals.
+   !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the
+   !> sample intervals.
    !>
    !> The straight line through the first and the last phase is taken out before anything else.
    !> Memory 8 bytes a phase.
@@ -151,33 +145,29 @@ contains
 
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) then
-         call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, m, error)
+         call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, &
+            & m, error)
       end if
       if (.not. allocated(error)) call level_phase(phase, sample_interval, level, error)
-      if (.not. allocated(error)) call curve_of_phase(level, missing, m, sample_interval, options, curve, error)
+      if (allocated(error)) return
+      call begin_curve(options, size(phase, kind=int64) - 1, sample_interval, curve)
+      call curve_of_phase(level, missing, m, options, curve, error)
    end subroutine compute_allan_from_phase
 
    !> Averaging factors that the statistic can have.
    subroutine choose_factors(options, samples, sample_interval, m, error)
-      !> Statistic and grid
       type(allan_options), intent(in) :: options
-      !> Rate samples
       integer(int64), intent(in) :: samples
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> The factors, ascending
       integer(int64), allocatable, intent(out) :: m(:)
-      !> invalid_argument, too_few_samples, no_memory
       type(error_type), allocatable, intent(out) :: error
-
       integer(int64), allocatable :: grid(:)
+      character(:), allocatable :: taus
       integer :: points, stat
 
-      if (allocated(options%taus)) then
-         call averaging_factors(options%taus, samples, sample_interval, grid, error)
-      else
-         call averaging_factors("octave", samples, sample_interval, grid, error)
-      end if
+      taus = "octave"
+      if (allocated(options%taus)) taus = options%taus
+      call averaging_factors(taus, samples, sample_interval, grid, error)
       if (allocated(error)) return
       points = count(grid <= longest_factor(options%kind, samples))
       if (points == size(grid)) then
@@ -185,30 +175,37 @@ contains
       else if (points > 0) then
          allocate (m(points), stat=stat)
          if (stat == 0) m(:) = grid(:points)
-         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the averaging factors")
+         if (stat /= 0) call fatal_error(error, status%no_memory, &
+            & "no memory for the averaging factors")
       else
-         call fatal_error(error, status%too_few_samples, "no averaging time is short enough for the "//trim(options%kind)// &
-            & " of this record")
+         call fatal_error(error, status%too_few_samples, &
+            & "no averaging time is short enough for the "//trim(options%kind)//" of this record")
       end if
    end subroutine choose_factors
 
+   !> What the arguments say of the curve.
+   pure subroutine begin_curve(options, samples, sample_interval, curve)
+      type(allan_options), intent(in) :: options
+      integer(int64), intent(in) :: samples
+      real(dp), intent(in) :: sample_interval
+      type(allan_curve_type), intent(inout) :: curve
+
+      curve%kind = options%kind
+      curve%samples = samples
+      curve%sample_interval = sample_interval
+      curve%confidence = options%confidence
+   end subroutine begin_curve
+
    !> The curve from the integral of the record.
-   subroutine curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
+   subroutine curve_of_phase(phase, missing, m, options, curve, error, progress)
       !> Phase in units of rate times sample: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
       integer(int32), allocatable, intent(in) :: missing(:)
-      !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> Statistic, confidence, coverage
       type(allan_options), intent(in) :: options
-      !> The curve
       type(allan_curve_type), intent(inout) :: curve
-      !> too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: variance(:), share(:)
@@ -220,27 +217,28 @@ contains
       allocate (variance(size(all_m)), stat=stat)
       if (stat == 0) allocate (terms(size(all_m)), stat=stat)
       if (stat == 0) allocate (share(size(all_m)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the Allan variances")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the Allan variances")
+      if (allocated(error)) return
       if (allocated(missing)) then
-         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, variance, terms, share, error, progress)
+         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, &
+            & variance, terms, share, error, progress)
       else
          call complete_variances(options%kind, phase, all_m, variance, terms, error, progress)
          share = 1
       end if
       if (allocated(error)) return
-      curve%kind = options%kind
-      if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, share, curve%octaves)
-      call fill_curve(ubound(phase, 1, kind=int64), sample_interval, options%confidence, pack(all_m, shown), &
-         & pack(variance, shown), pack(terms, shown), pack(share, shown), curve, error)
+      if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, share, &
+         & curve%octaves)
+      call fill_curve(pack(all_m, shown), pack(variance, shown), pack(terms, shown), &
+         & pack(share, shown), curve, error)
       if (allocated(error)) return
-      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, error, missing, difference_order(curve%kind))
+      call identify_noise(phase, curve%m, options%min_coverage, curve%alpha, error, missing, &
+         & difference_order(curve%kind))
       call fill_limits(curve)
    end subroutine curve_of_phase
 
-   !> The averaging factors to be computed: those that are shown, and for the overlapping Allan deviation the octaves.
+   !> The averaging factors to be computed: those that are shown, and for the overlapping Allan
+   !> deviation the octaves.
    pure subroutine add_octaves(kind, samples, m, all_m, shown)
       character(*), intent(in) :: kind
       integer(int64), intent(in) :: samples, m(:)
@@ -262,40 +260,15 @@ contains
       end do
    end subroutine add_octaves
 
-   !> What a fit needs.
-   subroutine fill_octaves(phase, missing, m, variance, share, octaves)
-      real(dp), intent(in), contiguous :: phase(0:)
-      integer(int32), allocatable, intent(in) :: missing(:)
-      integer(int64), intent(in) :: m(:)
-      real(dp), intent(in) :: variance(:), share(:)
-      type(octaves_type), intent(out) :: octaves
-      logical :: mask(size(m))
-      integer(int64) :: n
-
-      n = ubound(phase, 1, kind=int64)
-      mask = popcnt(m) == 1 .and. m <= max(1_int64, n/4) .and. share > 0
-      octaves%m = pack(m, mask)
-      octaves%variance = pack(variance, mask)
-      octaves%share = pack(share, mask)
-      allocate (octaves%kurtosis(size(octaves%m)))
-      call find_kurtosis(phase, octaves%m, octaves%variance, octaves%kurtosis, missing)
-   end subroutine fill_octaves
-
    !> Variances of a record without gaps.
    subroutine complete_variances(kind, phase, m, variance, terms, error, progress)
-      !> Statistic
       character(*), intent(in) :: kind
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors
       integer(int64), intent(in) :: m(:)
       !> Variances: [size(m)]; tdev: those of mdev
       real(dp), intent(out) :: variance(:)
-      !> Terms: [size(m)]
       integer(int64), intent(out) :: terms(:)
-      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(gap_sums_type) :: sums(size(m))
 
@@ -308,7 +281,9 @@ contains
          call sum_phase_averages(phase, m, variance, error, progress)
       case default
          call sum_phase_differences(phase, m, difference_order(kind), variance, error, progress)
-         if (kind == "totdev" .and. .not. allocated(error)) call add_reflected_differences(phase, m, variance, error, progress)
+         if (kind == "totdev" .and. .not. allocated(error)) then
+            call add_reflected_differences(phase, m, variance, error, progress)
+         end if
       end select
       if (allocated(error)) return
       variance = variance/(variance_divisor(kind, m)*real(terms, dp))
@@ -316,99 +291,19 @@ contains
 
    !> Rejects what is out of range.
    subroutine check_arguments(sample_interval, options, error)
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> Options
       type(allan_options), intent(in) :: options
-      !> invalid_argument, not_supported
       type(error_type), allocatable, intent(out) :: error
 
       call check_statistic(options%kind, error)
       if (.not. allocated(error)) call check_sample_interval(sample_interval, error)
       if (allocated(error)) return
-      if (.not. (positive(options%confidence) .and. positive(1 - options%confidence))) then
+      if (.not. (options%confidence > 0 .and. options%confidence < 1)) then
          call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
-      else if (.not. positive(options%min_coverage) .or. positive(options%min_coverage - 1)) then
-         call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")
+      else if (.not. (options%min_coverage > 0 .and. options%min_coverage <= 1)) then
+         call fatal_error(error, status%invalid_argument, &
+            & "the coverage of a window must be above 0 and at most 1")
       end if
    end subroutine check_arguments
-
-   !> Finite and above zero.
-   pure logical function positive(x)
-      !> Any number
-      real(dp), intent(in) :: x
-
-      positive = .false.
-      if (ieee_is_finite(x)) positive = x > 0
-   end function positive
-
-   !> Puts the averaging times that have terms into the curve.
-   subroutine fill_curve(n, sample_interval, confidence, m, variance, terms, share, curve, error)
-      !> Samples
-      integer(int64), intent(in) :: n
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> Probability between the limits
-      real(dp), intent(in) :: confidence
-      !> Averaging factors, their variances and terms
-      integer(int64), intent(in) :: m(:)
-      real(dp), intent(in) :: variance(:)
-      integer(int64), intent(in) :: terms(:)
-      !> Degrees of freedom as a share of those of a complete record
-      real(dp), intent(in) :: share(:)
-      !> The curve, without exponents and limits
-      type(allan_curve_type), intent(inout) :: curve
-      !> too_few_samples, no_memory
-      type(error_type), allocatable, intent(out) :: error
-
-      integer :: points, i, k, stat
-
-      curve%sample_interval = sample_interval
-      curve%samples = n
-      curve%confidence = confidence
-      points = count(terms > 0)
-      curve%left_out = pack(m, terms <= 0)
-      if (points == 0) then
-         call fatal_error(error, status%too_few_samples, "too many samples are missing: no averaging time has a complete window")
-         return
-      end if
-      allocate (curve%m(points), stat=stat)
-      if (stat == 0) allocate (curve%terms(points), stat=stat)
-      if (stat == 0) allocate (curve%tau(points), stat=stat)
-      if (stat == 0) allocate (curve%deviation(points), stat=stat)
-      if (stat == 0) allocate (curve%lower(points), stat=stat)
-      if (stat == 0) allocate (curve%upper(points), stat=stat)
-      if (stat == 0) allocate (curve%edf(points), stat=stat)
-      if (stat == 0) allocate (curve%alpha(points), stat=stat)
-      if (stat == 0) allocate (curve%share(points), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the Allan curve")
-         return
-      end if
-      k = 0
-      do i = 1, size(m)
-         if (terms(i) <= 0) cycle
-         k = k + 1
-         curve%m(k) = m(i)
-         curve%terms(k) = terms(i)
-         curve%tau(k) = real(m(i), dp)*sample_interval
-         curve%deviation(k) = sqrt(variance(i))
-         if (curve%kind == "tdev") curve%deviation(k) = curve%tau(k)*curve%deviation(k)/sqrt(3.0_dp)
-         curve%share(k) = share(i)
-      end do
-   end subroutine fill_curve
-
-   !> Degrees of freedom and limits from the identified noise.
-   subroutine fill_limits(curve)
-      !> The curve
-      type(allan_curve_type), intent(inout) :: curve
-
-      integer :: i
-
-      do i = 1, size(curve%m)
-         curve%edf(i) = statistic_edf(curve%kind, curve%samples + 1, curve%m(i), curve%alpha(i))*curve%share(i)
-      end do
-      call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
-   end subroutine fill_limits
 
 end module gyroakf_allan_deviations

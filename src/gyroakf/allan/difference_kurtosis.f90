@@ -8,8 +8,8 @@ module gyroakf_allan_difference_kurtosis
 
    !> Phases of a block, a multiple of the averaging factors that are summed in it together
    integer(int64), parameter :: block_length = 32768
-   !> Blocks that are looked at beyond m = 1, at most, evenly over the record, and their samples: they give the kurtosis of white
-   !> noise to 0.01
+   !> Blocks that are looked at beyond m = 1, at most, evenly over the record, and their samples:
+   !> they give the kurtosis of white noise to 0.01
    integer(int64), parameter :: blocks_max = 32, kurtosis_samples = blocks_max*block_length
    !> From which length on threads are worth it
    integer(int64), parameter :: parallel_from = 200000
@@ -18,9 +18,11 @@ contains
 
    !> Excess kurtosis per sample as the differences d of adjacent means of m samples have it,
    !>
-   !> $$ \kappa = 2 m \left( \frac{\mathrm{E}(d - \bar d)^4}{(\mathrm{E}(d - \bar d)^2)^2} - 3 \right), $$
+   !> $$ \kappa = 2 m \left(
+   !>    \frac{\mathrm{E}(d - \bar d)^4}{(\mathrm{E}(d - \bar d)^2)^2} - 3 \right), $$
    !>
-   !> which for white noise does not depend on m. A pass over the phase for m = 1; for longer factors 2**20 samples are looked at.
+   !> which for white noise does not depend on m. A pass over the phase for m = 1; for longer
+   !> factors 2**20 samples are looked at.
    recursive subroutine find_kurtosis(phase, m, variance, kurtosis, missing)
       !> Integral of the record: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -56,7 +58,8 @@ contains
             before = ((b - 1)*stride + 1)*block_length
             if (m(i) == 1) before = b*stride*block_length
             if (m(i) > block_length) before = n
-            call add_powers(phase, m(i), (b - 1)*stride*block_length, before, mean(i), scale(i), sums(:, i, b), missing)
+            call add_powers(phase, m(i), (b - 1)*stride*block_length, before, mean(i), scale(i), &
+               & sums(:, i, b), missing)
          end do
       end do
       !$omp end parallel do
@@ -93,7 +96,8 @@ contains
       mean = mean/real(max(counted, 1_int64), dp)
    end function mean_difference
 
-   !> Number, squares and fourth powers of the differences that begin at first, first + m, ... before `before`.
+   !> Number, squares and fourth powers of the differences that begin at first, first + m, ...
+   !> before `before`.
    pure subroutine add_powers(phase, m, first, before, mean, scale, sums, missing)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int64), intent(in) :: m, first, before

@@ -6,31 +6,36 @@
 !> $$ \mathrm{Cov}(\hat\sigma^2_m, \hat\sigma^2_n) = \frac{1}{4 m^2 n^2 M_m M_n}
 !>    \sum_u c(u) \left( 2 R_{mn}(u)^2 + 4 R^2 m^2 n^2 R_{mn}(u) \right) $$
 !>
-!> where R_mn(u) is the covariance of z_m and z_n whose centers are u samples apart, c(u) the number of
-!> such pairs, and the second part that of a ramp of slope R. R_mn is a second difference of step n of a
-!> second difference of step m of the generalized autocovariance of the phase,
+!> where R_mn(u) is the covariance of z_m and z_n whose centers are u samples apart, c(u) the number
+!> of such pairs, and the second part that of a ramp of slope R. R_mn is a second difference of step
+!> n of a second difference of step m of the generalized autocovariance of the phase,
 !>
 !> $$ s_x(t) = -\frac{N^2 |t|}{2} + \frac{B^2}{2\pi} t^2 \ln|t| + \frac{K^2 |t|^3}{12} $$
 !>
-!> (C. A. Greenhall, IEEE Trans. UFFC 47, 2000), with Q^2 at t = 0. It is smooth between the kinks 0,
-!> n - m, m, n and n + m. The sum over u is taken term by term where these are close and by Gauss
-!> quadrature elsewhere: correlations are within 0.001 of the full sum. It is bilinear in the squared
-!> coefficients: sums for each two terms are computed once, the covariance of a mixture is a contraction.
+!> (C. A. Greenhall, IEEE Trans. UFFC 47, 2000), with Q^2 at t = 0. It is smooth between the kinks
+!> 0, n - m, m, n and n + m. The sum over u is taken term by term where these are close and by Gauss
+!> quadrature elsewhere: correlations are within 0.001 of the full sum. It is bilinear in the
+!> squared coefficients: sums for each two terms are computed once, the covariance of a mixture is a
+!> contraction.
 module gyroakf_allan_fit_covariance
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_noise_model, only : model_variance, term_count, term_ramp
    implicit none (type, external)
    private
-   public :: covariance_basis_type, covariance_basis, lag_covariances, mixture_covariances, mixture_freedom
+   public :: covariance_basis_type, covariance_basis, lag_covariances, mixture_covariances, &
+      & mixture_freedom
 
    !> Q N B K, the terms that are noise; the last three of them have a smooth R_mn
    integer, parameter :: noise_count = 4, smooth_count = 3
-   !> Ends of segments; those up to the second length are summed term by term, longer ones by Gauss quadrature on 0 .. 1
+   !> Ends of segments; those up to the second length are summed term by term, longer ones by Gauss
+   !> quadrature on 0 .. 1
    integer, parameter :: ends_max = 10, direct_max = 24, node_count = 12
-   real(dp), parameter :: half_node(6) = [0.0092196828766403782_dp, 0.047941371814762601_dp, 0.11504866290284765_dp, &
-      & 0.20634102285669126_dp, 0.31608425050090994_dp, 0.43738329574426554_dp]
-   real(dp), parameter :: half_weight(6) = [0.023587668193255706_dp, 0.053469662997659533_dp, 0.080039164271673208_dp, &
-      & 0.10158371336153287_dp, 0.11674626826917731_dp, 0.12457352290670134_dp]
+   real(dp), parameter :: half_node(6) = [0.0092196828766403782_dp, 0.047941371814762601_dp, &
+      & 0.11504866290284765_dp, 0.20634102285669126_dp, 0.31608425050090994_dp, &
+      & 0.43738329574426554_dp]
+   real(dp), parameter :: half_weight(6) = [0.023587668193255706_dp, 0.053469662997659533_dp, &
+      & 0.080039164271673208_dp, 0.10158371336153287_dp, 0.11674626826917731_dp, &
+      & 0.12457352290670134_dp]
    real(dp), parameter :: node(node_count) = [half_node, 1 - half_node(6:1:-1)]
    real(dp), parameter :: weight(node_count) = [half_weight, half_weight(6:1:-1)]
    !> 1/(2 pi); most degrees of freedom
@@ -38,7 +43,8 @@ module gyroakf_allan_fit_covariance
 
    !> What the covariances of any mixture at some averaging factors are made of
    type :: covariance_basis_type
-      !> Of each pair of averaging factors: covariance per product of two squares, and with a ramp: [4, 4, k, k], [4, k, k]
+      !> Of each pair of averaging factors: covariance per product of two squares, and with a ramp:
+      !> [4, 4, k, k], [4, k, k]
       real(dp), allocatable :: product(:, :, :, :), plain(:, :, :)
    end type covariance_basis_type
 
@@ -53,7 +59,8 @@ contains
       type(covariance_basis_type) :: basis
       integer :: i, j
 
-      allocate (basis%product(noise_count, noise_count, size(m), size(m)), basis%plain(noise_count, size(m), size(m)))
+      allocate (basis%product(noise_count, noise_count, size(m), size(m)), &
+         & basis%plain(noise_count, size(m), size(m)))
       do j = 1, size(m)
          do i = 1, j
             call sum_pair(samples, m(i), m(j), basis%product(:, :, i, j), basis%plain(:, i, j))
@@ -91,7 +98,8 @@ contains
       real(dp), intent(in) :: mixture(term_count)
       !> At most 1e15: [k]
       real(dp) :: freedom(size(m))
-      real(dp) :: product(noise_count, noise_count), plain(noise_count), squares(term_count), variance
+      real(dp) :: product(noise_count, noise_count), plain(noise_count), squares(term_count), &
+         & variance
       integer :: i
 
       squares = max(0.0_dp, mixture)
@@ -99,13 +107,16 @@ contains
          call sum_pair(samples, m(i), m(i), product, plain)
          variance = contracted(product, plain, squares)
          freedom(i) = freedom_max
-         if (variance > 0) freedom(i) = min(freedom_max, 2*model_variance(squares, real(m(i), dp))**2/variance)
+         if (variance > 0) then
+            freedom(i) = min(freedom_max, 2*model_variance(squares, real(m(i), dp))**2/variance)
+         end if
       end do
    end function mixture_freedom
 
    !> Covariance of a mixture from the sums of a pair.
    pure real(dp) function contracted(product, plain, squares) result(covariance)
-      real(dp), intent(in) :: product(noise_count, noise_count), plain(noise_count), squares(term_count)
+      real(dp), intent(in) :: product(noise_count, noise_count), plain(noise_count), &
+         & squares(term_count)
 
       covariance = squares(term_ramp)*dot_product(plain, squares(:noise_count)) + &
          & dot_product(squares(:noise_count), matmul(product, squares(:noise_count)))
@@ -189,7 +200,8 @@ contains
          if (any(abs(place(:i - 1) - place(i)) < 0.5_dp)) cycle
          spike = sum(height, mask=abs(place - place(i)) < 0.5_dp)
          factor = 2*pair_count(place(i), n - m, terms)
-         if (i == 1) then                                   ! n = m: the differences meet from both sides
+         ! n = m: the differences meet from both sides
+         if (i == 1) then
             factor = factor/2
             if (n - m < 0.5_dp) spike = 6
          end if
@@ -200,7 +212,8 @@ contains
       product(2:, 1) = product(1, 2:)
    end subroutine add_quantization
 
-   !> Covariances of N, B and K, each 1, of two differences whose centers are u >= 0 apart: [distances, terms].
+   !> Covariances of N, B and K, each 1, of two differences whose centers are u >= 0 apart:
+   !> [distances, terms].
    pure function lag_covariances(m, n, u) result(r)
       !> Averaging factors, and distances: [distances]
       real(dp), intent(in) :: m, n, u(:)
@@ -211,7 +224,8 @@ contains
       integer :: side
 
       r = 0
-      do side = -1, 1                                       ! each up to a constant, which the outer difference removes
+      ! each up to a constant, which the outer difference removes
+      do side = -1, 1
          t = abs(u + side*n)
          r(:, 1) = r(:, 1) + factor(side)*min(0.0_dp, t - m)
          r(:, 2) = r(:, 2) + factor(side)*per_two_pi*m**2*flicker_difference(t/m)
@@ -228,7 +242,8 @@ contains
          q = 1/s**2
          g = 2*log(s) + 3 - q*(1/6.0_dp + q*(1/30.0_dp + q*(1/84.0_dp + q/180.0_dp)))
       else
-         g = (s + 1)**2*log(s + 1) + (s - 1)**2*log(max(abs(s - 1), tiny(s))) - 2*s**2*log(max(s, tiny(s)))
+         g = (s + 1)**2*log(s + 1) + (s - 1)**2*log(max(abs(s - 1), tiny(s))) &
+            & - 2*s**2*log(max(s, tiny(s)))
       end if
    end function flicker_difference
 

@@ -1,50 +1,62 @@
 ! SPDX-License-Identifier: MIT
-!> Which points of an Allan curve the five noise terms describe, how well, and which of the terms are there.
+!> Which points of an Allan curve the five noise terms describe, how well, and which of the terms
+!> are there.
 !>
 !> The thresholds are those of [[noise_options]], which says what each is for.
 module gyroakf_allan_fit_selection
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_survival
    use gyroakf_allan_difference_kurtosis, only : kurtosis_samples
-   use gyroakf_allan_fit_solver, only : fit_held, fit_points_type, fit_terms, log_determinant, solution_type
-   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_shape, term_walk, terms
+   use gyroakf_allan_fit_solver, only : fit_held, fit_points_type, fit_terms, log_determinant, &
+      & solution_type
+   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_shape, &
+      & term_walk, terms
    implicit none (type, external)
    private
-   public :: noise_options, points_between, find_run, is_described, is_likely, find_floor, select_terms, upper_limit
+   public :: noise_options, points_between, find_run, is_described, is_likely, find_floor, &
+      & select_terms, upper_limit
 
    !> What to fit, and the thresholds of the fit
    type :: noise_options
-      !> "auto": those of Q N B K R that the curve asks for. Or the letters of the terms that are fitted
+      !> "auto": those of Q N B K R that the curve asks for. Or the letters of the terms that are
+      !> fitted
       character(8) :: terms = "auto"
-      !> Shortest and longest averaging time that the fit looks at, s. Where one of them or `terms` is
-      !> given, all points in the range are fitted; else the longest run of points that the terms describe
+      !> Shortest and longest averaging time that the fit looks at, s. Where one of them or `terms`
+      !> is given, all points in the range are fitted; else the longest run of points that the terms
+      !> describe
       real(dp) :: tau_min = 0.0_dp, tau_max = huge(1.0_dp)
-      !> Step that the samples are rounded to (least significant bit), in the unit of the curve; 0: none
+      !> Step that the samples are rounded to (least significant bit), in the unit of the curve; 0:
+      !> none
       real(dp) :: lsb = 0.0_dp
-      !> The terms describe a run of points if, with this floor, chi-square has a chance of more than
-      !> `run_chance` and no residual exceeds `run_residual` of its standard deviations: what five power
-      !> laws can claim of a sensor
+      !> The terms describe a run of points if, with this floor, chi-square has a chance of more
+      !> than `run_chance` and no residual exceeds `run_residual` of its standard deviations: what
+      !> five power laws can claim of a sensor
       real(dp) :: run_floor = 0.02_dp, run_chance = 0.003_dp, run_residual = 3.5_dp
-      !> The same residual of the whole curve: with 3.5 a clean record in 1000 loses its first octaves, and with them most of N
+      !> The same residual of the whole curve: with 3.5 a clean record in 1000 loses its first
+      !> octaves, and with them most of N
       real(dp) :: whole_residual = 4.0_dp
-      !> Octaves that a run spans at least, and their share of those of the curve: fewer are described by
-      !> chance. One more point is left out beside an excluded one, which passes only just
+      !> Octaves that a run spans at least, and their share of those of the curve: fewer are
+      !> described by chance. One more point is left out beside an excluded one, which passes only
+      !> just
       integer :: run_octaves = 5
       real(dp) :: run_share = 0.5_dp
-      !> Floors that are tried, relative to the variance, and what one has to gain of -2 log likelihood: a
-      !> false floor is found in 0 to 1 % of Gaussian records
-      real(dp) :: floors(6) = [0.0_dp, 0.0025_dp, 0.005_dp, 0.01_dp, 0.02_dp, 0.04_dp], floor_price = 4.0_dp
+      !> Floors that are tried, relative to the variance, and what one has to gain of
+      !> -2 log likelihood: a false floor is found in 0 to 1 % of Gaussian records
+      real(dp) :: floors(6) = [0.0_dp, 0.0025_dp, 0.005_dp, 0.01_dp, 0.02_dp, 0.04_dp], &
+         & floor_price = 4.0_dp
       !> What each term has to gain of chi-square. A false Q takes 1 to 3 % off N; R is rarer than K
       real(dp) :: term_price(term_count) = [12.0_dp, 6.0_dp, 6.0_dp, 6.0_dp, 9.0_dp]
-      !> A term is stated if the best set without it costs more by this: else another one may take its place
+      !> A term is stated if the best set without it costs more by this: else another one may take
+      !> its place
       real(dp) :: stated_margin = 2.3_dp
-      !> Rise of chi-square at an upper limit: 2.71 for 95 % of a single fit, 3.84 after the choice of terms
+      !> Rise of chi-square at an upper limit: 2.71 for 95 % of a single fit, 3.84 after the choice
+      !> of terms
       real(dp) :: limit_rise = 3.84_dp
-      !> N is stated where points are excluded at the start if it is this share of the first three points of the run; so
-      !> is B of the last three where points are excluded at the end
+      !> N is stated where points are excluded at the start if it is this share of the first three
+      !> points of the run; so is B of the last three where points are excluded at the end
       real(dp) :: plain_share = 0.5_dp
-      !> Steps in standard deviations of the noise: a finer one is of no account, of a coarser one nothing is known of the
-      !> noise without it
+      !> Steps in standard deviations of the noise: a finer one is of no account, of a coarser one
+      !> nothing is known of the noise without it
       real(dp) :: lsb_range(2) = [0.1_dp, 2.0_dp]
       !> Standard deviations from which on a kurtosis counts
       real(dp) :: kurtosis_deviations = 3.0_dp
@@ -66,14 +78,19 @@ contains
       allocate (run%share, source=curve%share(first:last))
       allocate (run%basis%product, source=curve%basis%product(:, :, first:last, first:last))
       allocate (run%basis%plain, source=curve%basis%plain(:, first:last, first:last))
-      allocate (run%shape, source=term_shape(spread(terms, 1, size(run%m)), spread(real(run%m, dp), 2, term_count)))
+      allocate (run%shape, source=term_shape(spread(terms, 1, size(run%m)), &
+         & spread(real(run%m, dp), 2, term_count)))
       run%signed = first > 1
-      m = real(run%m(1), dp)                                ! 24/n: variance of the kurtosis of n normal differences
+      ! 24/n: variance of the kurtosis of n normal differences
+      m = real(run%m(1), dp)
       differences = real(min(run%samples, merge(run%samples, kurtosis_samples, first == 1)), dp)/m
-      if (curve%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24/differences)) run%excess = curve%kurtosis(first)
+      if (curve%kurtosis(first) > 2*m*options%kurtosis_deviations*sqrt(24/differences)) then
+         run%excess = curve%kurtosis(first)
+      end if
    end function points_between
 
-   !> Finds the longest run of octaves that the terms describe; of equally long ones that which excludes octaves at the start.
+   !> Finds the longest run of octaves that the terms describe; of equally long ones that which
+   !> excludes octaves at the start.
    subroutine find_run(curve, options, run, found)
       !> All octaves
       type(fit_points_type), intent(in) :: curve
@@ -91,11 +108,13 @@ contains
             first = 1 + excluded - at_end
             last = points - at_end
             run = points_between(curve, options, first, last)
-            if (.not. is_described(run, options, spread(.true., 1, term_count), excluded == 0)) cycle
+            if (.not. is_described(run, options, spread(.true., 1, term_count), &
+               & excluded == 0)) cycle
             if (first > 1) first = first + 1
             if (last < points) last = last - 1
             run = points_between(curve, options, first, last)
-            found = last - first >= max(real(options%run_octaves, dp), options%run_share*(points - 1))
+            found = last - first >= max(real(options%run_octaves, dp), &
+               & options%run_share*(points - 1))
             return
          end do
       end do
@@ -124,7 +143,8 @@ contains
 
       freedom = size(fit%residual) - count(abs(fit%squares) > 0)
       is_likely = freedom <= 0
-      if (freedom > 0) is_likely = chi_square_survival(fit%chi_square, real(freedom, dp)) > options%run_chance
+      if (freedom > 0) is_likely = &
+         & chi_square_survival(fit%chi_square, real(freedom, dp)) > options%run_chance
    end function is_likely
 
    !> The floor of the misfit that remains, by the likelihood.
@@ -154,7 +174,8 @@ contains
       end do
    end subroutine find_floor
 
-   !> The set of terms that costs least, chi-square and prices, and which of them no other set does without.
+   !> The set of terms that costs least, chi-square and prices, and which of them no other set does
+   !> without.
    subroutine select_terms(points, options, offered, solution, chosen, stated, margin)
       type(fit_points_type), intent(in) :: points
       type(noise_options), intent(in) :: options
@@ -164,7 +185,8 @@ contains
       type(solution_type), intent(inout) :: solution
       !> The best set; those without which every set costs more by the margin
       logical, intent(out) :: chosen(term_count), stated(term_count)
-      !> What the best set without K, and that without K and R, costs more than the best one; huge where there is none
+      !> What the best set without K, and that without K and R, costs more than the best one; huge
+      !> where there is none
       real(dp), intent(out) :: margin(2)
       type(solution_type) :: trial, best
       real(dp) :: cost, least, without(term_count), bounded
@@ -197,8 +219,8 @@ contains
       if (any(chosen)) solution = best
    end subroutine select_terms
 
-   !> One-sided limit of the square of a term: there chi-square, the other terms refitted and the covariance that of the
-   !> model tried, is above its least value by `limit_rise`.
+   !> One-sided limit of the square of a term: there chi-square, the other terms refitted and the
+   !> covariance that of the model tried, is above its least value by `limit_rise`.
    real(dp) function upper_limit(points, options, offered, term, full) result(limit)
       type(fit_points_type), intent(in) :: points
       type(noise_options), intent(in) :: options
@@ -231,7 +253,8 @@ contains
 
    contains
 
-      !> Chi-square with the square of the term held at x, the other terms refitted from where they were last.
+      !> Chi-square with the square of the term held at x, the other terms refitted from where they
+      !> were last.
       real(dp) function profile(x)
          real(dp), intent(in) :: x
          type(solution_type) :: fit

@@ -1,21 +1,24 @@
 ! SPDX-License-Identifier: MIT
 !> Generalized least squares of the noise terms in consecutive octaves of an Allan curve.
 !>
-!> The residuals r_i = 3 ((v_i/s_i)^(1/3) - 1 + C_ii/9), with s = A theta the model and C the relative
-!> covariance of the points, are nearly normal down to one or two degrees of freedom (the cube root of
-!> chi-square: Wilson and Hilferty, 1931). Their r' C^-1 r is minimized over theta >= 0: each step is
-!> nonnegative least squares of L^-1 (A/s) theta = L^-1 (1 + r), C = L L', and C is renewed from the
-!> fitted model. The covariance is that of the mixture ([[gyroakf_allan_fit_covariance]]) with two more
-!> parts: the excess kurtosis of the white noise, and a floor for what a sum of five power laws cannot
-!> describe.
+!> The residuals r_i = 3 ((v_i/s_i)^(1/3) - 1 + C_ii/9), with s = A theta the model and C the
+!> relative covariance of the points, are nearly normal down to one or two degrees of freedom (the
+!> cube root of chi-square: Wilson and Hilferty, 1931). Their r' C^-1 r is minimized over
+!> theta >= 0: each step is nonnegative least squares of L^-1 (A/s) theta = L^-1 (1 + r), C = L L',
+!> and C is renewed from the fitted model. The covariance is that of the mixture
+!> ([[gyroakf_allan_fit_covariance]]) with two more parts: the excess kurtosis of the white noise,
+!> and a floor for what a sum of five power laws cannot describe.
 module gyroakf_allan_fit_solver
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dgels, dpotrf, dtrtrs
+   use gyroakf_sort, only : median_of
    use gyroakf_allan_fit_covariance, only : covariance_basis_type, mixture_covariances
-   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_walk, term_white, terms
+   use gyroakf_allan_noise_model, only : term_count, term_quantization, term_ramp, term_walk, &
+      & term_white, terms
    implicit none (type, external)
    private
-   public :: fit_points_type, solution_type, fit_terms, fit_held, whitened, log_determinant, solve_nonnegative
+   public :: fit_points_type, solution_type, fit_terms, fit_held, whitened, log_determinant, &
+      & solve_nonnegative
 
    !> Consecutive octaves of an Allan curve; lengths in samples
    type :: fit_points_type
@@ -33,7 +36,8 @@ module gyroakf_allan_fit_solver
       type(covariance_basis_type) :: basis
       !> Excess kurtosis per sample; floor of the relative deviation of the variances from the model
       real(dp) :: excess = 0.0_dp, floor = 0.0_dp
-      !> The 1/tau^2 term may be of either sign: a filter in the sensor bends the points before the first
+      !> The 1/tau^2 term may be of either sign: a filter in the sensor bends the points before the
+      !> first
       logical :: signed = .false.
       !> R is a ramp, free of noise, and not a random walk as large at the last point
       logical :: ramp = .false.
@@ -49,7 +53,8 @@ module gyroakf_allan_fit_solver
       real(dp), allocatable :: residual(:), covariance(:, :)
    end type solution_type
 
-   !> Steps at most, the step from which on half of the way is taken, relative changes of the model that end steps and passes
+   !> Steps at most, the step from which on half of the way is taken, relative changes of the model
+   !> that end steps and passes
    integer, parameter :: steps_max = 40, halved_from = 9
    real(dp), parameter :: step_end = 1e-6_dp, pass_end = 1e-3_dp
    !> Least relative variance of a point: a ramp alone has none
@@ -63,7 +68,8 @@ contains
       !> Which terms; the squares of the others stay as in `start`
       logical, intent(in) :: used(term_count)
       type(solution_type), intent(out) :: solution
-      !> Squares to start from (default: from the medians of the points, 0 of terms that are not used)
+      !> Squares to start from (default: from the medians of the points, 0 of terms that are not
+      !> used)
       real(dp), intent(in), optional :: start(term_count)
       !> Times that the covariance is renewed at most (default 4)
       integer, intent(in), optional :: passes
@@ -72,8 +78,8 @@ contains
 
       passes_max = 4
       if (present(passes)) passes_max = passes
-      solution%squares = merge([0.0_dp, median(points%variance/points%shape(:, term_white)), median(points%variance), &
-         & 0.0_dp, 0.0_dp], 0.0_dp, used)
+      solution%squares = merge([0.0_dp, median_of(points%variance/points%shape(:, term_white)), &
+         & median_of(points%variance), 0.0_dp, 0.0_dp], 0.0_dp, used)
       if (present(start)) solution%squares = start
       do pass = 1, passes_max
          call make_positive(points, used, solution%squares)
@@ -84,8 +90,9 @@ contains
       end do
    end subroutine fit_terms
 
-   !> Where the variances of the terms are not all positive, the used terms share the points evenly, by the medians.
-   pure subroutine make_positive(points, used, squares)
+   !> Where the variances of the terms are not all positive, the used terms share the points evenly,
+   !> by the medians.
+   subroutine make_positive(points, used, squares)
       type(fit_points_type), intent(in) :: points
       logical, intent(in) :: used(term_count)
       real(dp), intent(inout) :: squares(term_count)
@@ -93,7 +100,8 @@ contains
 
       if (all(matmul(points%shape, squares) > 0)) return
       do j = 1, term_count
-         if (used(j)) squares(j) = median(points%variance/points%shape(:, j))/count(used) + tiny(1.0_dp)
+         if (used(j)) squares(j) = median_of(points%variance/points%shape(:, j))/count(used) &
+            & + tiny(1.0_dp)
       end do
    end subroutine make_positive
 
@@ -154,7 +162,8 @@ contains
       part = whitened(covariance, part)
       length = norm2(part(:, :k), dim=1)
       part(:, :k) = part(:, :k)/spread(length, 1, size(right))
-      call solve_nonnegative(part(:, :k), part(:, k + 1), x, points%signed .and. place == term_quantization)
+      call solve_nonnegative(part(:, :k), part(:, k + 1), x, points%signed &
+         & .and. place == term_quantization)
       squares(place) = x/length
    end subroutine weighted_step
 
@@ -173,16 +182,19 @@ contains
          noise(term_ramp) = 0
       end if
       base = matmul(points%shape, noise)*sqrt(points%share)
-      white = noise(term_white)*points%shape(:, term_white)/(matmul(points%shape, squares)*sqrt(points%share))
+      white = noise(term_white)*points%shape(:, term_white) &
+         & /(matmul(points%shape, squares)*sqrt(points%share))
       covariance = mixture_covariances(points%basis, noise)
       do j = 1, size(m)
-         covariance(:, j) = covariance(:, j)/(base*base(j)) + points%excess/real(points%samples, dp)*white*white(j) &
+         covariance(:, j) = covariance(:, j)/(base*base(j)) &
+            & + points%excess/real(points%samples, dp)*white*white(j) &
             & + points%floor**2*min(m, m(j))/max(m, m(j))
          covariance(j, j) = covariance(j, j) + variance_least
       end do
    end function relative_covariance
 
-   !> L^-1 B of a covariance matrix L L': [n, n], [n, k]. Where rounding takes its least eigenvalue below 0, its diagonal is raised.
+   !> L^-1 B of a covariance matrix L L': [n, n], [n, k]. Where rounding takes its least eigenvalue
+   !> below 0, its diagonal is raised.
    function whitened(covariance, b) result(x)
       real(dp), intent(in) :: covariance(:, :), b(:, :)
       real(dp) :: x(size(b, 1), size(b, 2)), factor(size(b, 1), size(b, 1)), raise
@@ -206,23 +218,29 @@ contains
    real(dp) function log_determinant(covariance)
       real(dp), intent(in) :: covariance(:, :)
       real(dp) :: inverse(size(covariance, 1), size(covariance, 1))
-      integer :: i, j
+      integer :: j
 
-      inverse = whitened(covariance, reshape([((merge(1.0_dp, 0.0_dp, i == j), i=1, size(inverse, 1)), j=1, size(inverse, 1))], &
-         & shape(inverse)))
+      inverse = 0
+      do j = 1, size(inverse, 1)
+         inverse(j, j) = 1
+      end do
+      inverse = whitened(covariance, inverse)
       log_determinant = -2*sum([(log(inverse(j, j)), j=1, size(inverse, 1))])
    end function log_determinant
 
-   !> Minimizes |A x - b| subject to x >= 0: the conditions of the minimum are a linear complementarity problem, solved by
-   !> exchange of the last unknown that violates them (K. G. Murty, Opsearch 11, 1974); it ends as A'A is positive definite.
+   !> Minimizes |A x - b| subject to x >= 0: the conditions of the minimum are a linear
+   !> complementarity problem, solved by exchange of the last unknown that violates them (K. G.
+   !> Murty, Opsearch 11, 1974); it ends as A'A is positive definite.
    subroutine solve_nonnegative(a, b, x, signed)
-      !> Independent columns of length about 1: [rows, columns], rows >= columns; right-hand side: [rows]
+      !> Independent columns of length about 1: [rows, columns], rows >= columns; right-hand side:
+      !> [rows]
       real(dp), intent(in), contiguous :: a(:, :), b(:)
       !> Solution: [columns]
       real(dp), intent(out) :: x(:)
       !> Unknowns that may be negative: [columns]
       logical, intent(in) :: signed(:)
-      real(dp) :: part(size(a, 1), size(x)), right(size(a, 1), 1), work(64*size(x) + 64), gradient(size(x))
+      real(dp) :: part(size(a, 1), size(x)), right(size(a, 1), 1), work(64*size(x) + 64), &
+         & gradient(size(x))
       logical :: free(size(x))
       integer :: place(size(x)), step, last, j, k, info
 
@@ -232,24 +250,17 @@ contains
          place(:k) = pack([(j, j=1, size(x))], free)
          part(:, :k) = a(:, place(:k))
          right(:, 1) = b
-         if (k > 0) call dgels("N", size(b), k, 1, part, size(b), right, size(b), work, size(work), info)
+         if (k > 0) call dgels("N", size(b), k, 1, part, size(b), right, size(b), work, &
+            & size(work), info)
          x = 0
          x(place(:k)) = right(:k, 1)
          gradient = matmul(b - matmul(a, x), a)
-         last = findloc(merge(x < 0 .and. .not. signed, gradient > 1e-12_dp*norm2(b), free), .true., dim=1, back=.true.)
+         last = findloc(merge(x < 0 .and. .not. signed, gradient > 1e-12_dp*norm2(b), free), &
+            & .true., dim=1, back=.true.)
          if (last == 0) exit
          free(last) = .not. free(last)
       end do
       where (.not. signed) x = max(x, 0.0_dp)
    end subroutine solve_nonnegative
-
-   !> Median of a few numbers.
-   pure real(dp) function median(x)
-      real(dp), intent(in) :: x(:)
-      integer :: i, below(size(x))
-
-      below = [(count(x < x(i)) + count(.not. (x(:i - 1) < x(i) .or. x(:i - 1) > x(i))), i=1, size(x))]
-      median = (sum(x, mask=below == (size(x) - 1)/2) + sum(x, mask=below == size(x)/2))/2
-   end function median
 
 end module gyroakf_allan_fit_solver

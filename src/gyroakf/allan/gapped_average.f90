@@ -1,28 +1,34 @@
 ! SPDX-License-Identifier: MIT
-!> Squared differences of triangular means with missing samples: the work of the modified Allan variance with gaps.
+!> Squared differences of triangular means with missing samples: the work of the modified Allan
+!> variance with gaps.
 !>
-!> The second difference of the phase averages is the difference of two means of the rate, whose weights form triangles
-!> T(s) = s for s = 1 .. m, 2m - s for s = m .. 2m - 1, the second m samples after the first. With p = 1 where a
-!> sample is there and 0 where it is missing, both are taken over the samples that are there:
+!> The second difference of the phase averages is the difference of two means of the rate, whose
+!> weights form triangles T(s) = s for s = 1 .. m, 2m - s for s = m .. 2m - 1, the second m samples
+!> after the first. With p = 1 where a sample is there and 0 where it is missing, both are taken
+!> over the samples that are there:
 !>
-!> $$ z_j = \frac{\sum_s T(s)\, p_{j+m+s}\, w_{j+m+s}}{D_{j+m}} - \frac{\sum_s T(s)\, p_{j+s}\, w_{j+s}}{D_j}, \quad
+!> $$ z_j = \frac{\sum_s T(s)\, p_{j+m+s}\, w_{j+m+s}}{D_{j+m}} -
+!>    \frac{\sum_s T(s)\, p_{j+s}\, w_{j+s}}{D_j}, \quad
 !>    D_j = \sum_s T(s)\, p_{j+s} $$
 !>
 !> (D = m^2 in a complete record). White noise of variance 1 gives z the variance
 !>
-!> $$ V_j = \frac{E_j}{D_j^2} + \frac{E_{j+m}}{D_{j+m}^2} - \frac{2 F_j}{D_j D_{j+m}}, \quad E_j = \sum_s T(s)^2 p_{j+s}, \quad
+!> $$ V_j = \frac{E_j}{D_j^2} + \frac{E_{j+m}}{D_{j+m}^2} - \frac{2 F_j}{D_j D_{j+m}}, \quad
+!>    E_j = \sum_s T(s)^2 p_{j+s}, \quad
 !>    F_j = \sum_{s=1}^{m} s (m - s)\, p_{j+m+s} $$
 !>
-!> and (m^2 + 1)/m^3 in a complete record; the sum of the differences is what [[gapped_variances]] takes out. D, E and F follow from
-!> the number of missing samples in the three windows of m samples and its first two moments about their beginnings, which go
-!> from term to term by recursion, as the sums of the rate do: a term costs the same whatever m. The recursions restart
-!> at fixed places: no bit depends on the number of threads.
+!> and (m^2 + 1)/m^3 in a complete record; the sum of the differences is what [[gapped_variances]]
+!> takes out. D, E and F follow from the number of missing samples in the three windows of m samples
+!> and its first two moments about their beginnings, which go from term to term by recursion, as the
+!> sums of the rate do: a term costs the same whatever m. The recursions restart at fixed places: no
+!> bit depends on the number of threads.
 module gyroakf_allan_gapped_average
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
-   use gyroakf_allan_window_difference, only : gap_sums_type
+   use gyroakf_allan_phase_average, only : chain_type, list_chains, no_memory_text
+   use gyroakf_allan_window_difference, only : add_sums, gap_sums_type
    implicit none (type, external)
    private
    public :: sum_gapped_averages
@@ -36,7 +42,8 @@ module gyroakf_allan_gapped_average
    type :: state_type
       !> Sums of the rate, weighted by the triangles
       real(dp) :: first = 0.0_dp, second = 0.0_dp
-      !> Missing samples in each window: their number, and the sums of their places and squared places, counted from 1
+      !> Missing samples in each window: their number, and the sums of their places and squared
+      !> places, counted from 1
       real(dp) :: lost(3) = 0.0_dp, place(3) = 0.0_dp, square(3) = 0.0_dp
    end type state_type
 
@@ -60,99 +67,44 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type), allocatable :: part(:)
-      integer(int64), allocatable :: begin(:)
-      integer, allocatable :: factor(:)
-      integer(int64) :: total, item, from, group
+      type(chain_type), allocatable :: chain(:)
+      integer(int64) :: terms, total, item, from, group
       integer :: i, stat
 
-      total = 0
-      do i = 1, size(m)
-         total = total + (term_count(phase, m(i)) - 1)/chain_length(m(i)) + 1
-      end do
-      allocate (part(total), stat=stat)
-      if (stat == 0) allocate (begin(total), stat=stat)
-      if (stat == 0) allocate (factor(total), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the partial sums of the modified Allan variance")
-         return
-      end if
-      call list_chains(phase, m, begin, factor)
+      terms = ubound(phase, 1, kind=int64) + 2
+      call list_chains(terms - 3*m, max(chain_least, 2*m), chain, stat)
+      if (stat == 0) allocate (part(size(chain, kind=int64)), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, no_memory_text)
+      if (allocated(error)) return
+      total = size(chain, kind=int64)
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()
       do from = total, 1, -group
-         call report_progress("Allan deviation", chain_least*(total - from), chain_least*total, error, progress)
+         call report_progress("Allan deviation", chain_least*(total - from), chain_least*total, &
+            & error, progress)
          if (allocated(error)) return
-         !$omp parallel do schedule(dynamic) private(i) if (term_count(phase, 1_int64)*size(m) >= parallel_from)
+         !$omp parallel do schedule(dynamic) private(i) if ((terms - 3)*size(m) >= parallel_from)
          do item = from, max(from - group + 1, 1_int64), -1
-            i = factor(item)
-            call add_chain(phase, missing, m(i), coverage(i), begin(item), &
-               & min(chain_length(m(i)), term_count(phase, m(i)) - begin(item)), part(item))
+            i = chain(item)%factor
+            call add_chain(phase, missing, m(i), coverage(i), chain(item)%begin, &
+               & chain(item)%terms, part(item))
          end do
          !$omp end parallel do
       end do
       do item = 1, total
-         i = factor(item)
-         sums(i)%squares = sums(i)%squares + part(item)%squares
-         sums(i)%inflation = sums(i)%inflation + part(item)%inflation
-         sums(i)%terms = sums(i)%terms + part(item)%terms
+         call add_sums(part(item), sums(chain(item)%factor))
       end do
    end subroutine sum_gapped_averages
 
-   !> Terms of a complete record.
-   pure integer(int64) function term_count(phase, m)
-      !> Phase: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-
-      term_count = ubound(phase, 1, kind=int64) - 3*m + 2
-   end function term_count
-
-   !> Terms of a chain, so many that its start costs less than its steps.
-   pure integer(int64) function chain_length(m)
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-
-      chain_length = max(chain_least, 2*m)
-   end function chain_length
-
-   !> Where the chains begin.
-   pure subroutine list_chains(phase, m, begin, factor)
-      !> Phase: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors
-      integer(int64), intent(in) :: m(:)
-      !> First term of each chain
-      integer(int64), intent(out) :: begin(:)
-      !> Place of its factor in m
-      integer, intent(out) :: factor(:)
-
-      integer(int64) :: item, first
-      integer :: i
-
-      item = 0
-      do i = 1, size(m)
-         do first = 0, term_count(phase, m(i)) - 1, chain_length(m(i))
-            item = item + 1
-            begin(item) = first
-            factor(item) = i
-         end do
-      end do
-   end subroutine list_chains
-
    !> Some neighboring terms.
    pure subroutine add_chain(phase, missing, m, coverage, first, terms, sums)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
       !> Share of the weight that must be present
       real(dp), intent(in) :: coverage
       !> First term, and how many
       integer(int64), intent(in) :: first, terms
-      !> The sums
       type(gap_sums_type), intent(out) :: sums
 
       type(state_type) :: state
@@ -177,14 +129,10 @@ contains
 
    !> The state at a term, from sums over its windows.
    pure function first_state(phase, missing, m, j) result(state)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factor, and the term
       integer(int64), intent(in) :: m, j
       type(state_type) :: state
-
       real(dp) :: lost
       integer(int64) :: i, s, b
       integer :: w
@@ -206,32 +154,32 @@ contains
 
    !> From term j to term j + 1.
    pure subroutine advance(phase, missing, m, j, complete, state)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factor, and the term that was
       integer(int64), intent(in) :: m, j
       !> Nothing is missing up to j + 3m - 1
       logical, intent(in) :: complete
-      !> State at that term
       type(state_type), intent(inout) :: state
 
       real(dp) :: new(3), length
+      integer(int64) :: n
 
       state%first = state%first + ((phase(j + 2*m) - phase(j + m)) - (phase(j + m) - phase(j)))
-      state%second = state%second + ((phase(j + 3*m) - phase(j + 2*m)) - (phase(j + 2*m) - phase(j + m)))
-      if (complete .and. missing(min(j + 3*m + 1, ubound(missing, 1, kind=int64))) == missing(j + 3*m - 1)) return
+      state%second = state%second &
+         & + ((phase(j + 3*m) - phase(j + 2*m)) - (phase(j + 2*m) - phase(j + m)))
+      n = ubound(missing, 1, kind=int64)
+      if (complete .and. missing(min(j + 3*m + 1, n)) == missing(j + 3*m - 1)) return
       length = real(m, dp)
       new(1) = real(missing(j + m + 1) - missing(j + m), dp)
       new(2) = real(missing(j + 2*m + 1) - missing(j + 2*m), dp)
       new(3) = 0
-      if (j + 3*m < ubound(missing, 1, kind=int64)) new(3) = real(missing(j + 3*m + 1) - missing(j + 3*m), dp)
+      if (j + 3*m < n) new(3) = real(missing(j + 3*m + 1) - missing(j + 3*m), dp)
       state%square = state%square - 2*state%place + state%lost + length**2*new
       state%place = state%place - state%lost + length*new
       state%lost(1) = real(missing(j + 1 + m) - missing(j + 1), dp)
       state%lost(2) = real(missing(j + 1 + 2*m) - missing(j + 1 + m), dp)
-      state%lost(3) = real(missing(min(j + 1 + 3*m, ubound(missing, 1, kind=int64))) - missing(j + 1 + 2*m), dp)
+      state%lost(3) = real(missing(min(j + 1 + 3*m, n)) - missing(j + 1 + 2*m), dp)
       where (state%lost <= 0)                               ! no rounding is carried on
          state%place = 0
          state%square = 0
@@ -240,13 +188,10 @@ contains
 
    !> Adds a term some of whose samples are missing, if its triangles are complete enough.
    pure subroutine add_gapped_term(state, m, allowed, sums)
-      !> State at the term
       type(state_type), intent(in) :: state
-      !> Averaging factor
       real(dp), intent(in) :: m
       !> Weight that a triangle may lack, < m^2
       real(dp), intent(in) :: allowed
-      !> Sums to add to
       type(gap_sums_type), intent(inout) :: sums
 
       real(dp) :: lack1, lack2, d1, d2, e1, e2, f, whole

@@ -1,22 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> Allan-family variances of a record with missing samples.
 !>
-!> With missing samples the mean of a window is taken over those that are there, and a term counts when each
-!> of its windows is complete enough ([[window_coverage]]). The mean of c out of m samples is uncertain by
-!> the sampling variance S^2 (1/c - 1/m), S^2 the variance of the samples within a window (sampling without
-!> replacement; for white noise it is its variance). What that adds to the variance is subtracted. Two windows (Allan):
+!> With missing samples the mean of a window is taken over those that are there, and a term counts
+!> when each of its windows is complete enough ([[window_coverage]]). The mean of c out of m samples
+!> is uncertain by the sampling variance S^2 (1/c - 1/m), S^2 the variance of the samples within a
+!> window (sampling without replacement; for white noise it is its variance). What that adds to the
+!> variance is subtracted. Two windows (Allan):
 !>
 !> $$ \hat\sigma^2 = \frac{1}{2T} \sum (\bar w_2 - \bar w_1)^2 -
 !>    \frac{S_m^2}{2T} \sum \left(\frac{1}{c_1} + \frac{1}{c_2} - \frac{2}{m}\right) $$
 !>
-!> and three (Hadamard), with 6 instead of 2 and 1/c_1 + 4/c_2 + 1/c_3 - 6/m. In general the bracket is the variance of a term
-!> in white noise of variance 1, less that of a complete record: for the modified variance see
-!> [[gyroakf_allan_gapped_average]], for the total variance [[gyroakf_allan_reflection]]. White noise stays unbiased; drift
-!> hardly varies
-!> within a window and is not touched. The total variance alone loses some of a random walk to a gap, whose terms weigh more than
-!> those near the ends: 2 % of the variance at T/16, 17 % at T/5 where a gap of a tenth takes half of the terms. An averaging
-!> time is left out of it where less than half of the weight remains. S_m^2 follows from the overlapping Allan variances of the
-!> octaves below m: for m = 2^J
+!> and three (Hadamard), with 6 instead of 2 and 1/c_1 + 4/c_2 + 1/c_3 - 6/m. In general the bracket
+!> is the variance of a term in white noise of variance 1, less that of a complete record: for the
+!> modified variance see [[gyroakf_allan_gapped_average]], for the total variance
+!> [[gyroakf_allan_reflection]]. White noise stays unbiased; drift hardly varies within a window and
+!> is not touched. The total variance alone loses some of a random walk to a gap, whose terms weigh
+!> more than those near the ends: 2 % of the variance at T/16, 17 % at T/5 where a gap of a tenth
+!> takes half of the terms. An averaging time is left out of it where less than half of the weight
+!> remains. S_m^2 follows from the overlapping Allan variances of the octaves below m: for m = 2^J
 !> it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
 module gyroakf_allan_gaps
    use gyroakf_kinds, only : dp, int32, int64
@@ -33,7 +34,8 @@ module gyroakf_allan_gaps
 
    !> Share of a gapped variance that the correction leaves at least
    real(dp), parameter :: correction_floor = 0.1_dp
-   !> Share of the weight of a total variance that must be left: the terms near an end hold little of a random walk
+   !> Share of the weight of a total variance that must be left: the terms near an end hold little
+   !> of a random walk
    real(dp), parameter :: weight_least = 0.5_dp
    !> Gaps of at most this share of a window, or of one sample, are scattered
    integer(int64), parameter :: scattered_part = 8
@@ -42,9 +44,10 @@ contains
 
    !> Share of a window of m samples that must be present.
    !>
-   !> It is `min_coverage` of what scattered losses leave of the record, rounded to whole samples: these are a random sample of
-   !> the window, whose mean is corrected for, whatever the noise. Scattered are gaps of at most m/8 samples, and single samples.
-   !> A `min_coverage` of 1 demands complete windows.
+   !> It is `min_coverage` of what scattered losses leave of the record, rounded to whole samples:
+   !> these are a random sample of the window, whose mean is corrected for, whatever the noise.
+   !> Scattered are gaps of at most m/8 samples, and single samples. A `min_coverage` of 1 demands
+   !> complete windows.
    pure function window_coverage(missing, m, min_coverage) result(coverage)
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
@@ -59,7 +62,8 @@ contains
       integer :: j, shortest
 
       n = ubound(missing, 1, kind=int64)
-      lost = 0                                              ! samples in gaps of more than 2**(j - 1), up to 2**j samples
+      ! samples in gaps of more than 2**(j - 1), up to 2**j samples
+      lost = 0
       gap = 0
       do i = 1, n
          if (missing(i) > missing(i - 1)) then
@@ -77,12 +81,15 @@ contains
          shortest = int(bit_size(gap)) - leadz(max(1_int64, m(j)/scattered_part)) - 1
          scattered = real(sum(lost(:shortest)), dp)
          scattered = scattered/max(1.0_dp, real(n - sum(lost), dp) + scattered)
-         coverage(j) = min(min_coverage, max(1.0_dp, anint(min_coverage*(1 - scattered)*real(m(j), dp)))/real(m(j), dp))
+         coverage(j) = min(min_coverage, &
+            & max(1.0_dp, anint(min_coverage*(1 - scattered)*real(m(j), dp)))/real(m(j), dp))
       end do
    end function window_coverage
 
-   !> Variances of a record with missing samples, the inflation by the samples that are not there removed.
-   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, share, error, progress)
+   !> Variances of a record with missing samples, the inflation by the samples that are not there
+   !> removed.
+   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, share, &
+      & error, progress)
       !> A known statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
@@ -97,8 +104,8 @@ contains
       real(dp), intent(out) :: variance(:)
       !> Terms used: [size(m)]
       integer(int64), intent(out) :: terms(:)
-      !> Degrees of freedom of the variances as a share of those of a complete record: the share of the terms, times the square of
-      !> what the correction leaves of the variance: [size(m)]
+      !> Degrees of freedom of the variances as a share of those of a complete record: the share of
+      !> the terms, times the square of what the correction leaves of the variance: [size(m)]
       real(dp), intent(out) :: share(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -122,11 +129,20 @@ contains
       if (kind /= "oadev" .or. .not. same(m, octave)) then
          deallocate (sums)
          allocate (sums(size(m)), stat=stat)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for the Allan variances")
-            return
-         end if
-         call sum_terms(kind, phase, missing, m, coverage(size(octave) + 1:), sums, error, progress)
+         if (stat /= 0) call fatal_error(error, status%no_memory, &
+            & "no memory for the Allan variances")
+         if (allocated(error)) return
+         associate (coverage => coverage(size(octave) + 1:))
+            if (any(kind == ["mdev", "tdev"])) then
+               call sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
+            else
+               call sum_windows(phase, m, difference_order(kind), all(kind /= ["adev", "hdev"]), &
+                  & sums, error, missing, coverage, progress)
+               if (kind == "totdev" .and. .not. allocated(error)) then
+                  call add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
+               end if
+            end if
+         end associate
          if (allocated(error)) return
       end if
       do i = 1, size(m)
@@ -135,49 +151,17 @@ contains
          divisor = merge(6.0_dp, 2.0_dp, difference_order(kind) == 3)
          variance(i) = corrected(sums(i), interpolated(within, real(m(i), dp)), divisor)
          raw = sums(i)%squares/(divisor*real(max(terms(i), 1_int64), dp))
-         share(i) = real(terms(i), dp)/real(term_count(kind, ubound(phase, 1, kind=int64), m(i)), dp)
+         share(i) = real(terms(i), dp)/real(term_count(kind, ubound(phase, 1, kind=int64), m(i)), &
+            & dp)
          if (raw > 0) share(i) = share(i)*(variance(i)/raw)**2
       end do
    end subroutine gapped_variances
 
-   !> Squares, inflation and number of the terms.
-   subroutine sum_terms(kind, phase, missing, m, coverage, sums, error, progress)
-      !> A known statistic
-      character(*), intent(in) :: kind
-      !> Phase: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factors
-      integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present: [size(m)]
-      real(dp), intent(in) :: coverage(:)
-      !> The sums: [size(m)]
-      type(gap_sums_type), intent(out) :: sums(:)
-      !> no_memory, cancelled
-      type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
-
-      select case (kind)
-      case ("mdev", "tdev")
-         call sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
-      case default
-         call sum_windows(phase, m, difference_order(kind), kind /= "adev" .and. kind /= "hdev", &
-            & sums, error, missing, &
-            & coverage, progress)
-         if (allocated(error)) return
-         if (kind == "totdev") call add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
-      end select
-   end subroutine sum_terms
-
-   !> Scales the sums of a total variance to be divided by the number of terms; without terms where too many are lost.
+   !> Scales the sums of a total variance to be divided by the number of terms; without terms where
+   !> too many are lost.
    pure subroutine divide_by_weight(samples, m, sums)
-      !> Rate samples, and averaging factor
       integer(int64), intent(in) :: samples, m
-      !> The sums
       type(gap_sums_type), intent(inout) :: sums
-
       real(dp) :: share
 
       share = sums%weight/complete_weight(samples, m)
@@ -192,14 +176,14 @@ contains
 
    !> Whether two lists are equal.
    pure logical function same(a, b)
-      !> The lists
       integer(int64), intent(in) :: a(:), b(:)
 
       same = size(a) == size(b)
       if (same) same = all(a == b)
    end function same
 
-   !> Variance of the samples within windows of 1, 2, 4 ... samples, from the variances of the octaves.
+   !> Variance of the samples within windows of 1, 2, 4 ... samples, from the variances of the
+   !> octaves.
    pure subroutine variance_within_windows(sums, octave, within)
       !> Sums of each octave
       type(gap_sums_type), intent(in) :: sums(:)
@@ -233,16 +217,13 @@ contains
       corrected = 0
       if (sums%terms == 0) return
       raw = sums%squares/(divisor*real(sums%terms, dp))
-      corrected = max(raw - within*sums%inflation/(divisor*real(sums%terms, dp)), correction_floor*raw)
+      corrected = max(raw - within*sums%inflation/(divisor*real(sums%terms, dp)), &
+         & correction_floor*raw)
    end function corrected
 
    !> Value at m between those at 1, 2, 4 ..., linear in the logarithm of m.
    pure real(dp) function interpolated(values, m)
-      !> Values at the octaves
-      real(dp), intent(in) :: values(:)
-      !> Where, >= 1
-      real(dp), intent(in) :: m
-
+      real(dp), intent(in) :: values(:), m
       real(dp) :: place
       integer :: j
 

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Whether the two halves of a record have the same Allan curve: is its noise the same at the end as at the beginning?
+!> Whether the two halves of a record have the same Allan curve: is its noise the same at the end as
+!> at the beginning?
 !>
 !>     type(halves_type) :: halves
 !>     call fit_noise(curve, noise_options(), noise, error)
@@ -10,26 +11,29 @@
 !> $$ d_i = \ln\frac{\hat\sigma^2_2(\tau_i)}{\hat\sigma^2_1(\tau_i)} - (b_{2i} - b_{1i}), \quad
 !>    b = \psi(\nu/2) - \ln(\nu/2) $$
 !>
-!> has the expectation 0 if they are the same. Its covariance is the sum of those of the halves (which are independent but for
-!> their common border): the analytic covariance of the fitted mixture, [[mixture_covariances]], for n/2 samples, of
-!> logarithms (nu/2 psi'(nu/2) on the diagonal instead of 1), divided by the share that gaps leave of the degrees of freedom.
-!> One statistic for all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
+!> has the expectation 0 if they are the same. Its covariance is the sum of those of the halves
+!> (which are independent but for their common border): the analytic covariance of the fitted
+!> mixture, [[mixture_covariances]], for n/2 samples, of logarithms (nu/2 psi'(nu/2) on the diagonal
+!> instead of 1), divided by the share that gaps leave of the degrees of freedom. One statistic for
+!> all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
 !> ([[whitening]]); it is chi-square. Averaging times with few degrees of freedom are left out.
 !>
-!> Noise that is not Gaussian scatters otherwise: the innovations' excess kurtosis kappa adds kappa/(n/2) to the covariance of every
-!> two relative variances of a linear process (Bartlett's formula). It is taken as twice that of the second differences of the
-!> phase at one sample (the mean of both halves), which is exact for white noise of the rate or of the phase. Outliers in one
+!> Noise that is not Gaussian scatters otherwise: the innovations' excess kurtosis kappa adds
+!> kappa/(n/2) to the covariance of every two relative variances of a linear process (Bartlett's
+!> formula). It is taken as twice that of the second differences of the phase at one sample (the
+!> mean of both halves), which is exact for white noise of the rate or of the phase. Outliers in one
 !> half then do not pass for a change.
 !>
-!> The ratio of the deviations, exp(d/2), says how large a change is: in a long record the least one is significant.
+!> The ratio of the deviations, exp(d/2), says how large a change is: in a long record the least one
+!> is significant.
 module gyroakf_allan_halves
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_special, only : chi_square_survival, digamma, normal_quantile, trigamma
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
-   use gyroakf_allan_fit_covariance, only : covariance_basis, covariance_basis_type, mixture_covariances
+   use gyroakf_allan_fit_covariance, only : covariance_basis, covariance_basis_type, &
+      & mixture_covariances
    use gyroakf_allan_whitening, only : whitening
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_fit, only : noise_type
@@ -44,7 +48,8 @@ module gyroakf_allan_halves
    type :: halves_options
       !> Averaging times, as in [[allan_options]]; "octave" also when unallocated
       character(:), allocatable :: taus
-      !> Probability between the limits of each ratio, > 0, < 1; its complement is the level of the test
+      !> Probability between the limits of each ratio, > 0, < 1; its complement is the level of the
+      !> test
       real(dp) :: confidence = 0.95_dp
       !> Share of a window that must be present, > 0, <= 1
       real(dp) :: min_coverage = 0.9_dp
@@ -54,7 +59,8 @@ module gyroakf_allan_halves
 
    !> The comparison; arrays have one element per averaging time, ascending
    type :: halves_type
-      !> Chi-square of all averaging times together, its degrees of freedom, and the probability of a larger one
+      !> Chi-square of all averaging times together, its degrees of freedom, and the probability of
+      !> a larger one
       real(dp) :: statistic = 0.0_dp
       integer :: freedom = 0
       real(dp) :: p_value = 1.0_dp
@@ -74,9 +80,6 @@ module gyroakf_allan_halves
 
    !> Averaging times that enter the statistic at most
    integer, parameter :: points_max = 80
-   !> Stretches of the record whose sums do not depend on the threads, and from which length on threads are worth it
-   integer, parameter :: stretches = 64
-   integer(int64), parameter :: parallel_from = 200000
    !> Excess kurtosis of uniform noise
    real(dp), parameter :: kurtosis_least = -1.2_dp
    !> A half whose variance is a smaller share of the other's is constant but for rounding
@@ -86,20 +89,22 @@ contains
 
    !> Compares the Allan curves of the two halves of a record.
    !>
-   !> Cost: three passes for the integral, and what the Allan variances of the record cost; memory 8 bytes a sample, 12 where
-   !> some are missing.
+   !> Cost: three passes for the integral, and what the Allan variances of the record cost; memory 8
+   !> bytes a sample, 12 where some are missing.
    subroutine compare_halves(rate, sample_interval, noise, options, halves, error, valid, progress)
       !> Rate samples, evenly spaced: [n], n >= 8; NaN and infinity count as missing
       real(dp), intent(in), contiguous :: rate(:)
       !> Seconds, > 0
       real(dp), intent(in) :: sample_interval
-      !> Coefficients of the whole record, from [[fit_noise]]: they give the covariance of the variances
+      !> Coefficients of the whole record, from [[fit_noise]]: they give the covariance of the
+      !> variances
       type(noise_type), intent(in) :: noise
       !> Averaging times, confidence
       type(halves_options), intent(in) :: options
       !> The comparison
       type(halves_type), intent(out) :: halves
-      !> invalid_argument, too_few_samples (no averaging time has the degrees of freedom), constant_input, no_memory, cancelled
+      !> invalid_argument, too_few_samples (no averaging time has the degrees of freedom),
+      !> constant_input, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]; all present if absent
       integer(int8), intent(in), optional :: valid(:)
@@ -111,24 +116,34 @@ contains
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
       integer(int64) :: n, half
+      character(:), allocatable :: taus
 
       n = size(rate, kind=int64)
       half = n/2
       call check_arguments(half, sample_interval, noise, options, error)
-      if (.not. allocated(error)) call choose_factors(half, sample_interval, options, m, error)
+      taus = "octave"
+      if (allocated(options%taus)) taus = options%taus
+      if (.not. allocated(error)) call averaging_factors(taus, half, sample_interval, m, error)
+      if (allocated(error)) return
+      if (size(m) > points_max) call fatal_error(error, status%invalid_argument, &
+         & "the halves of a record are compared at no more than 80 averaging times")
       if (.not. allocated(error)) call integrate_rate(rate, phase, missing, error, valid, progress)
-      if (.not. allocated(error)) call report_progress("comparing the halves", 0_int64, n, error, progress)
+      if (.not. allocated(error)) call report_progress("comparing the halves", 0_int64, n, error, &
+         & progress)
       if (allocated(error)) return
       allocate (variance(size(m), 2), share(size(m), 2))
-      call segment_variances(phase, missing, 1_int64, half, m, options%min_coverage, variance(:, 1), share(:, 1), &
-         & error, progress)
-      if (.not. allocated(error)) call segment_variances(phase, missing, n - half + 1, n, m, options%min_coverage, &
-         & variance(:, 2), share(:, 2), error, progress)
-      if (.not. allocated(error)) call report_progress("comparing the halves", n/2, n, error, progress)
+      call segment_variances(phase, missing, 1_int64, half, m, options%min_coverage, &
+         & variance(:, 1), share(:, 1), error, progress)
+      if (.not. allocated(error)) call segment_variances(phase, missing, n - half + 1, n, m, &
+         & options%min_coverage, variance(:, 2), share(:, 2), error, progress)
+      if (.not. allocated(error)) call report_progress("comparing the halves", n/2, n, error, &
+         & progress)
       if (allocated(error)) return
-      if (any(minval(share, dim=2) > 0 .and. &
-            & minval(variance, dim=2) <= max(constant_share*maxval(variance, dim=2), tiny(1.0_dp)))) then
-         call fatal_error(error, status%constant_input, "an Allan deviation is zero: a half of the record does not vary")
+      if (any(minval(share, dim=2) > 0 &
+         & .and. minval(variance, dim=2) <= max(constant_share*maxval(variance, dim=2), &
+         & tiny(1.0_dp)))) then
+         call fatal_error(error, status%constant_input, &
+            & "an Allan deviation is zero: a half of the record does not vary")
          return
       end if
       halves%confidence = options%confidence
@@ -136,75 +151,39 @@ contains
       call report_progress("comparing the halves", n - n/4, n, error, progress)
       if (allocated(error)) return
       call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
-      call compare_variances(half, sample_interval, m, variance, share, noise%squares, sum(kurtosis)/2, options, halves, error)
+      call compare_variances(half, sample_interval, m, variance, share, noise%squares, &
+         & sum(kurtosis)/2, options, halves, error)
    end subroutine compare_halves
 
    !> Rejects what is out of range.
    subroutine check_arguments(half, sample_interval, noise, options, error)
-      !> Samples of a half
       integer(int64), intent(in) :: half
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> Fitted
       type(noise_type), intent(in) :: noise
-      !> Options
       type(halves_options), intent(in) :: options
-      !> invalid_argument, too_few_samples
       type(error_type), allocatable, intent(out) :: error
 
       call check_sample_interval(sample_interval, error)
       if (allocated(error)) return
-      if (.not. between(options%confidence, 0.0_dp, 1.0_dp)) then
+      if (.not. (options%confidence > 0 .and. options%confidence < 1)) then
          call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
-      else if (.not. between(options%min_coverage, 0.0_dp, 1.0_dp + epsilon(1.0_dp))) then
-         call fatal_error(error, status%invalid_argument, "the coverage of a window must be above 0 and at most 1")
-      else if (.not. between(options%least_edf, 1.0_dp - epsilon(1.0_dp), huge(1.0_dp))) then
-         call fatal_error(error, status%invalid_argument, "the least degrees of freedom must be 1 or more")
+      else if (.not. (options%min_coverage > 0 .and. options%min_coverage <= 1)) then
+         call fatal_error(error, status%invalid_argument, &
+            & "the coverage of a window must be above 0 and at most 1")
+      else if (.not. (options%least_edf >= 1 .and. options%least_edf < huge(1.0_dp))) then
+         call fatal_error(error, status%invalid_argument, &
+            & "the least degrees of freedom must be 1 or more")
       else if (.not. any(noise%squares > 0)) then
-         call fatal_error(error, status%invalid_argument, "the noise coefficients are not fitted: all of them are 0")
+         call fatal_error(error, status%invalid_argument, &
+            & "the noise coefficients are not fitted: all of them are 0")
       else if (half < 4) then
-         call fatal_error(error, status%too_few_samples, "two halves to be compared need at least 8 samples")
+         call fatal_error(error, status%too_few_samples, &
+            & "two halves to be compared need at least 8 samples")
       end if
    end subroutine check_arguments
 
-   !> Between two numbers.
-   pure logical function between(x, low, high)
-      !> Any number, and the open interval
-      real(dp), intent(in) :: x, low, high
-
-      between = .false.
-      if (ieee_is_finite(x)) between = x > low .and. x < high
-   end function between
-
-   !> Averaging factors of a half.
-   subroutine choose_factors(half, sample_interval, options, m, error)
-      !> Samples
-      integer(int64), intent(in) :: half
-      !> Seconds
-      real(dp), intent(in) :: sample_interval
-      !> The grid
-      type(halves_options), intent(in) :: options
-      !> The factors; at most points_max
-      integer(int64), allocatable, intent(out) :: m(:)
-      !> invalid_argument, too_few_samples, no_memory
-      type(error_type), allocatable, intent(out) :: error
-
-      integer(int64), allocatable :: grid(:)
-
-      if (allocated(options%taus)) then
-         call averaging_factors(options%taus, half, sample_interval, grid, error)
-      else
-         call averaging_factors("octave", half, sample_interval, grid, error)
-      end if
-      if (allocated(error)) return
-      if (size(grid) > points_max) then
-         call fatal_error(error, status%invalid_argument, "the halves of a record are compared at no more than 80 averaging times")
-         return
-      end if
-      call move_alloc(grid, m)
-   end subroutine choose_factors
-
-   !> Excess kurtosis of the innovations of a half, at least that of uniform noise; 0 where nothing varies.
+   !> Excess kurtosis of the innovations of a half, at least that of uniform noise; 0 where nothing
+   !> varies.
    subroutine innovation_kurtosis(phase, missing, first, last, scale, kurtosis)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int32), allocatable, intent(in) :: missing(:)
@@ -224,24 +203,15 @@ contains
    end subroutine innovation_kurtosis
 
    !> The ratios, and the statistic of all of them.
-   subroutine compare_variances(half, sample_interval, m, variance, share, model, kurtosis, options, halves, error)
-      !> Samples of a half
+   subroutine compare_variances(half, sample_interval, m, variance, share, model, kurtosis, &
+      & options, halves, error)
       integer(int64), intent(in) :: half
-      !> Seconds
       real(dp), intent(in) :: sample_interval
-      !> Averaging factors: [k]
       integer(int64), intent(in) :: m(:)
       !> Variances, and shares of their degrees of freedom that gaps leave: [k, 2]
-      real(dp), intent(in) :: variance(:, :), share(:, :)
-      !> The mixture
-      real(dp), intent(in) :: model(term_count)
-      !> Excess kurtosis of the innovations
-      real(dp), intent(in) :: kurtosis
-      !> Confidence, least degrees of freedom
+      real(dp), intent(in) :: variance(:, :), share(:, :), model(term_count), kurtosis
       type(halves_options), intent(in) :: options
-      !> The result
       type(halves_type), intent(inout) :: halves
-      !> too_few_samples
       type(error_type), allocatable, intent(out) :: error
 
       real(dp), dimension(size(m), 2) :: edf
@@ -258,40 +228,38 @@ contains
       end do
       place = pack([(i, i=1, size(m))], minval(edf, dim=2) >= options%least_edf)
       if (size(place) == 0) then
-         call fatal_error(error, status%too_few_samples, "the halves of the record are too short, or lack too much, to be compared")
+         call fatal_error(error, status%too_few_samples, &
+            & "the halves of the record are too short, or lack too much, to be compared")
          return
       end if
       edf = edf/2
       change = log(variance(place, 2)/variance(place, 1)) &
-         & - (digamma(edf(place, 2)) - log(edf(place, 2))) + (digamma(edf(place, 1)) - log(edf(place, 1)))
+         & - (digamma(edf(place, 2)) - log(edf(place, 2))) &
+         & + (digamma(edf(place, 1)) - log(edf(place, 1)))
       call add_halves(edf, share, covariance)
       kept = covariance(place, place)
       call whitening(kept, axes)
       halves%freedom = size(axes, 1)
       halves%statistic = sum(matmul(axes, change)**2)
-      if (halves%freedom > 0) halves%p_value = chi_square_survival(halves%statistic, real(halves%freedom, dp))
+      if (halves%freedom > 0) halves%p_value = chi_square_survival(halves%statistic, &
+         & real(halves%freedom, dp))
       wide = normal_quantile((1 + options%confidence)/2)
       halves%changed = halves%p_value < 1 - options%confidence
       halves%tau = real(m(place), dp)*sample_interval
       halves%ratio = exp(change/2)
       deviation = [(sqrt(kept(i, i)), i=1, size(place))]
       halves%score = change/deviation
-      halves%differs = halves%changed .and. abs(halves%score) > normal_quantile(1 - (1 - options%confidence)/(2*size(place)))
+      halves%differs = halves%changed &
+         & .and. abs(halves%score) > normal_quantile(1 - (1 - options%confidence)/(2*size(place)))
       halves%lower = exp((change - wide*deviation)/2)
       halves%upper = exp((change + wide*deviation)/2)
    end subroutine compare_variances
 
    !> Covariance of the variances of half a record, relative to the model.
    subroutine relative_covariance(half, m, model, covariance)
-      !> Samples of a half
-      integer(int64), intent(in) :: half
-      !> Averaging factors: [k]
-      integer(int64), intent(in) :: m(:)
-      !> The mixture
+      integer(int64), intent(in) :: half, m(:)
       real(dp), intent(in) :: model(term_count)
-      !> The matrix: [k, k]
       real(dp), intent(out) :: covariance(:, :)
-
       type(covariance_basis_type) :: basis
       real(dp) :: squares(term_count), variance(size(m))
       integer :: i
@@ -307,9 +275,9 @@ contains
 
    !> From the relative covariance of one half to that of the difference of the logarithms of both.
    pure subroutine add_halves(freedom, share, covariance)
-      !> Half the degrees of freedom, and shares of them that gaps leave: [k, 2]; rows without terms are not used
+      !> Half the degrees of freedom, and shares of them that gaps leave: [k, 2]; rows without terms
+      !> are not used
       real(dp), intent(in) :: freedom(:, :), share(:, :)
-      !> The matrix: [k, k]
       real(dp), intent(inout) :: covariance(:, :)
 
       real(dp) :: factor(size(freedom, 1), 2), half

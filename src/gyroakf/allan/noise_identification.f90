@@ -1,19 +1,20 @@
 ! SPDX-License-Identifier: MIT
 !> The power-law noise that dominates at an averaging time, by the lag-1 autocorrelation.
 !>
-!> The rate is averaged over windows of m samples and a straight line is removed. With the lag-1 autocorrelation
-!> r of these means, rho = r/(1 + r); while rho >= 1/4 the means are differenced (at most as often as the variance does the
-!> phase: Allan 2, Hadamard 3), and
-!> alpha = -2 rho - 2 d with the number of differences d, rounded.
-!> Source: W. J. Riley, C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation",
-!> Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified noise is carried on.
+!> The rate is averaged over windows of m samples and a straight line is removed. With the lag-1
+!> autocorrelation r of these means, rho = r/(1 + r); while rho >= 1/4 the means are differenced (at
+!> most as often as the variance does the phase: Allan 2, Hadamard 3), and alpha = -2 rho - 2 d with
+!> the number of differences d, rounded.
+!> Source: W. J. Riley, C. A. Greenhall, "Power law noise identification using the lag 1
+!> autocorrelation", Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified
+!> noise is carried on.
 module gyroakf_allan_noise_identification
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_allan_gaps, only : window_coverage
    implicit none (type, external)
    private
-   public :: identify_noise
+   public :: identify_noise, means_max
 
    !> Means that an identification needs
    integer(int64), parameter :: means_min = 30
@@ -21,14 +22,13 @@ module gyroakf_allan_noise_identification
    integer(int64), parameter :: means_max = 16384
    !> No exponent
    integer, parameter :: unknown = huge(1)
-   !> Default maximum number of differences (Allan variance)
-   integer, parameter :: differences_usual = 2
    !> Records shorter than this are not worth a second thread
    integer(int64), parameter :: parallel_from = 200000
 
 contains
 
-   !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2, -4 with three differences) for each averaging factor.
+   !> Noise exponent alpha (spectrum of the rate ~ f**alpha, 2 .. -2, -4 with three differences) for
+   !> each averaging factor.
    subroutine identify_noise(phase, m, min_coverage, alpha, error, missing, differences)
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -50,18 +50,20 @@ contains
 
       coverage = min_coverage
       if (present(missing)) coverage = window_coverage(missing, m, min_coverage)
-      most = differences_usual
+      most = 2
       if (present(differences)) most = differences
       !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
       do i = 1, size(m)
-         if (present(missing)) then             ! an absent array is not passed on from inside a parallel region
+         ! an absent array is not passed on from inside a parallel region
+         if (present(missing)) then
             call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i), missing)
          else
             call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i))
          end if
       end do
       !$omp end parallel do
-      if (any(stat /= 0)) call fatal_error(error, status%no_memory, "no memory for the means of a noise identification")
+      if (any(stat /= 0)) call fatal_error(error, status%no_memory, &
+         & "no memory for the means of a noise identification")
       last = 0
       do i = 1, size(m)
          if (alpha(i) == unknown) alpha(i) = last
@@ -71,11 +73,8 @@ contains
 
    !> The exponent for one averaging factor.
    pure subroutine identify_one(phase, m, coverage, differences_max, alpha, stat, missing)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
-      !> Share of a window that must be present
       real(dp), intent(in) :: coverage
       !> Differences at most
       integer, intent(in) :: differences_max
@@ -83,7 +82,6 @@ contains
       integer, intent(out) :: alpha
       !> Not 0 where there is no memory
       integer, intent(out) :: stat
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), optional :: missing(0:)
 
       real(dp), allocatable :: mean(:)
@@ -119,17 +117,12 @@ contains
 
    !> Means of adjacent windows around the middle of the record.
    pure subroutine window_means(phase, m, coverage, mean, use_it, missing)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Samples in a window
       integer(int64), intent(in) :: m
-      !> Share of a window that must be present
       real(dp), intent(in) :: coverage
-      !> Means
       real(dp), intent(out) :: mean(:)
       !> Whether the window is complete enough
       logical, intent(out) :: use_it(:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), optional :: missing(0:)
 
       integer(int64) :: j, k, there, first
@@ -147,7 +140,6 @@ contains
 
    !> Removes the least-squares straight line.
    pure subroutine remove_line(y, use_it)
-      !> Values
       real(dp), intent(inout) :: y(:)
       !> Which of them count
       logical, intent(in) :: use_it(:)
@@ -176,7 +168,6 @@ contains
 
    !> Lag-1 autocorrelation over neighboring pairs.
    pure subroutine lag_one(y, use_it, least, r, varies)
-      !> Values
       real(dp), intent(in) :: y(:)
       !> Which of them count
       logical, intent(in) :: use_it(:)

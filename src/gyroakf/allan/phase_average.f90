@@ -4,9 +4,10 @@
 !> $$ z_j = \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i), \quad
 !>    z_{j+1} = z_j + x_{j+3m} - 3 x_{j+2m} + 3 x_{j+m} - x_j $$
 !>
-!> A term costs one step of the recursion, whatever m. The recursion restarts at fixed places (so that no rounding
-!> error runs along, and that no bit depends on the number of threads), four chains of it run side by side, and short averaging
-!> factors share a stretch of the record while it is in the cache.
+!> A term costs one step of the recursion, whatever m. The recursion restarts at fixed places (so
+!> that no rounding error runs along, and that no bit depends on the number of threads), four chains
+!> of it run side by side, and short averaging factors share a stretch of the record while it is in
+!> the cache.
 module gyroakf_allan_phase_average
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -14,7 +15,7 @@ module gyroakf_allan_phase_average
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
-   public :: sum_phase_averages
+   public :: sum_phase_averages, chain_type, list_chains, no_memory_text
 
    !> Terms of a stretch, and the longest factor that shares stretches
    integer(int64), parameter :: stretch_length = 65536, short_max = 4096
@@ -24,6 +25,17 @@ module gyroakf_allan_phase_average
    integer(int64), parameter :: buffer_length = 256
    !> Terms times factors below which one thread is quicker
    integer(int64), parameter :: parallel_from = 1000000
+
+   character(*), parameter :: no_memory_text = &
+      & "no memory for the partial sums of the modified Allan variance"
+
+   !> Neighboring terms that a recursion runs over
+   type :: chain_type
+      !> Place of their averaging factor
+      integer :: factor = 0
+      !> The first of them, and how many
+      integer(int64) :: begin = 0, terms = 0
+   end type chain_type
 
 contains
 
@@ -46,22 +58,18 @@ contains
       n = ubound(phase, 1, kind=int64)
       short = count(m <= short_max)
       call sum_short(phase, m(:short), sums(:short), n*size(m), error, progress)
-      if (.not. allocated(error)) call sum_long(phase, m(short + 1:), sums(short + 1:), n*short, n*size(m), error, progress)
+      if (.not. allocated(error)) call sum_long(phase, m(short + 1:), sums(short + 1:), n*short, &
+         & n*size(m), error, progress)
    end subroutine sum_phase_averages
 
    !> Factors that share stretches.
    subroutine sum_short(phase, m, sums, whole, error, progress)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> The sums
       real(dp), intent(out) :: sums(:)
       !> Terms of all factors, these and others
       integer(int64), intent(in) :: whole
-      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: part(:, :)
@@ -71,20 +79,20 @@ contains
       terms = ubound(phase, 1, kind=int64) + 2
       stretches = (terms + stretch_length - 1)/stretch_length
       allocate (part(size(m), stretches), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the partial sums of the modified Allan variance")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, no_memory_text)
+      if (allocated(error)) return
       group = stretches
       if (present(progress)) group = 8*thread_count()
       do from = 1, stretches, group
-         call report_progress("Allan deviation", min(whole, (from - 1)*stretch_length*size(m)), whole, error, progress)
+         call report_progress("Allan deviation", min(whole, (from - 1)*stretch_length*size(m)), &
+            & whole, error, progress)
          if (allocated(error)) return
          !$omp parallel do schedule(dynamic) private(i, first) if (terms*size(m) >= parallel_from)
          do s = from, min(stretches, from + group - 1)
             first = (s - 1)*stretch_length
             do i = 1, size(m)
-               call add_terms(phase, m(i), first, min(stretch_length, terms - 3*m(i) - first), part(i, s))
+               call add_terms(phase, m(i), first, min(stretch_length, terms - 3*m(i) - first), &
+                  & part(i, s))
             end do
          end do
          !$omp end parallel do
@@ -94,76 +102,75 @@ contains
       end do
    end subroutine sum_short
 
-   !> Factors that have the record to themselves, cut so that the starts of the chains cost less than the chains.
+   !> Factors that have the record to themselves, cut so that the starts of the chains cost less
+   !> than the chains.
    subroutine sum_long(phase, m, sums, done, whole, error, progress)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors
       integer(int64), intent(in) :: m(:)
-      !> The sums
       real(dp), intent(out) :: sums(:)
       !> Terms of the factors before, of all
       integer(int64), intent(in) :: done, whole
-      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
+      type(chain_type), allocatable :: chain(:)
       real(dp), allocatable :: part(:)
-      integer(int64), allocatable :: begin(:)
-      integer, allocatable :: factor(:)
-      integer(int64) :: terms, total, item, length, from, group
-      integer :: i, stat
+      integer(int64) :: terms, total, item, from, group
+      integer :: stat
 
       sums = 0
       terms = ubound(phase, 1, kind=int64) + 2
-      total = 0
-      do i = 1, size(m)
-         total = total + (terms - 3*m(i) - 1)/(4*chain_length*m(i)) + 1
-      end do
-      allocate (part(total), stat=stat)
-      if (stat == 0) allocate (begin(total), stat=stat)
-      if (stat == 0) allocate (factor(total), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the partial sums of the modified Allan variance")
-         return
-      end if
-      item = 0
-      do i = 1, size(m)
-         do length = 0, terms - 3*m(i) - 1, 4*chain_length*m(i)
-            item = item + 1
-            begin(item) = length
-            factor(item) = i
-         end do
-      end do
+      call list_chains(terms - 3*m, 4*chain_length*m, chain, stat)
+      if (stat == 0) allocate (part(size(chain, kind=int64)), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, no_memory_text)
+      if (allocated(error)) return
+      total = size(chain, kind=int64)
       group = max(total, 1_int64)
       if (present(progress)) group = thread_count()
       do from = total, 1, -group
-         call report_progress("Allan deviation", done + (whole - done)/total*(total - from), whole, error, progress)
+         call report_progress("Allan deviation", done + (whole - done)/total*(total - from), &
+            & whole, error, progress)
          if (allocated(error)) return
-         !$omp parallel do schedule(dynamic) private(i, length) if (terms*size(m) >= parallel_from)
+         !$omp parallel do schedule(dynamic) if (terms*size(m) >= parallel_from)
          do item = from, max(from - group + 1, 1_int64), -1
-            i = factor(item)
-            length = min(4*chain_length*m(i), terms - 3*m(i) - begin(item))
-            call add_terms(phase, m(i), begin(item), length, part(item))
+            call add_terms(phase, m(chain(item)%factor), chain(item)%begin, chain(item)%terms, &
+               & part(item))
          end do
          !$omp end parallel do
       end do
       do item = 1, total
-         sums(factor(item)) = sums(factor(item)) + part(item)
+         associate (i => chain(item)%factor)
+            sums(i) = sums(i) + part(item)
+         end associate
       end do
    end subroutine sum_long
 
+   !> Cuts the terms of each factor into chains.
+   pure subroutine list_chains(terms, length, chain, stat)
+      !> Terms of each factor, and of its chains at most
+      integer(int64), intent(in) :: terms(:), length(:)
+      !> Those of the first factor, of the second ...
+      type(chain_type), allocatable, intent(out) :: chain(:)
+      !> Not 0 where there is no memory
+      integer, intent(out) :: stat
+      integer(int64) :: item, begin
+      integer :: i
+
+      allocate (chain(sum((terms - 1)/length + 1)), stat=stat)
+      if (stat /= 0) return
+      item = 0
+      do i = 1, size(terms)
+         do begin = 0, terms(i) - 1, length(i)
+            item = item + 1
+            chain(item) = chain_type(i, begin, min(length(i), terms(i) - begin))
+         end do
+      end do
+   end subroutine list_chains
+
    !> Sum of z(j)**2 over some neighboring terms.
    pure subroutine add_terms(phase, m, first, terms, total)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-      !> The first j
-      integer(int64), intent(in) :: first
-      !> How many
-      integer(int64), intent(in) :: terms
+      integer(int64), intent(in) :: m, first, terms
       !> The sum, 0 without terms
       real(dp), intent(out) :: total
 
@@ -190,18 +197,11 @@ contains
 
    !> Four chains of the recursion side by side.
    pure subroutine four_chains(phase, m, first, length, total, z)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
-      integer(int64), intent(in) :: m
-      !> The first j
-      integer(int64), intent(in) :: first
+      integer(int64), intent(in) :: m, first
       !> Terms of a chain, >= 1
       integer(int64), intent(in) :: length
-      !> Sum of the squares
-      real(dp), intent(out) :: total
-      !> The last term
-      real(dp), intent(out) :: z
+      real(dp), intent(out) :: total, z
 
       real(dp) :: d(buffer_length, 4), z1, z2, z3, z4, s1, s2, s3, s4
       integer(int64) :: j, i, steps
@@ -237,26 +237,23 @@ contains
 
    !> The steps of the recursion from neighboring places on.
    pure subroutine third_differences(phase, m, first, d)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factor, and the first place
       integer(int64), intent(in) :: m, first
-      !> The steps
       real(dp), intent(out), contiguous :: d(:)
 
       integer(int64) :: i
 
       !$omp simd
       do i = 1, size(d, kind=int64)
-         d(i) = (phase(first + i - 1 + 3*m) - phase(first + i - 1)) - 3*(phase(first + i - 1 + 2*m) - phase(first + i - 1 + m))
+         d(i) = (phase(first + i - 1 + 3*m) - phase(first + i - 1)) &
+            & - 3*(phase(first + i - 1 + 2*m) - phase(first + i - 1 + m))
       end do
    end subroutine third_differences
 
    !> x(j+3m) - 3 x(j+2m) + 3 x(j+m) - x(j).
    pure real(dp) function third_difference(phase, m, j)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor, and place
       integer(int64), intent(in) :: m, j
 
       third_difference = (phase(j + 3*m) - phase(j)) - 3*(phase(j + 2*m) - phase(j + m))
@@ -264,11 +261,8 @@ contains
 
    !> z(j) as the sum that defines it.
    pure real(dp) function first_average(phase, m, j) result(z)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor, and place
       integer(int64), intent(in) :: m, j
-
       integer(int64) :: i
 
       z = 0

@@ -2,16 +2,17 @@
 !> Sums of squared second and third differences of the phase: the work of the overlapping Allan and
 !> Hadamard variances.
 !>
-!> The terms are taken in blocks. Short factors run over the record together: a block stays in the cache while each of
-!> them is applied to it. A long factor m visits the blocks k, k + m, k + 2m ... one after the
-!> other, so that the phases of a term come from the memory once. Factors that double, as octaves
-!> do, are taken four at a time.
-!> Partial sums belong to fixed parts of the record: the result does not depend on the number of threads.
+!> The terms are taken in blocks. Short factors run over the record together: a block stays in the
+!> cache while each of them is applied to it. A long factor m visits the blocks k, k + m, k + 2m ...
+!> one after the other, so that the phases of a term come from the memory once. Factors that double,
+!> as octaves do, are taken four at a time. Partial sums belong to fixed parts of the record: the
+!> result does not depend on the number of threads.
 module gyroakf_allan_phase_difference
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
+   use gyroakf_allan_window_difference, only : squared_differences
    implicit none (type, external)
    private
    public :: sum_phase_differences
@@ -50,18 +51,18 @@ contains
       integer :: first, last, i, stat
 
       n = ubound(phase, 1, kind=int64)
-      parts = part_count(n)
+      parts = max(1_int64, min(parts_max, n/(8*block_length)))
       allocate (part(min(batch, size(m)), parts), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of a deviation")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums of a deviation")
+      if (allocated(error)) return
       group = parts
       if (present(progress)) group = 2*thread_count()
       do first = 1, size(m), batch
          last = min(first + batch - 1, size(m))
          do from = 1, parts, group
-            call report(from, parts, n, m, first, last, error, progress)
+            call report_progress("Allan deviation", n*(first - 1) &
+               & + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, progress)
             if (allocated(error)) return
             !$omp parallel do schedule(dynamic) if (n*(last - first + 1) >= parallel_from)
             do s = from, min(parts, from + group - 1)
@@ -75,31 +76,13 @@ contains
       end do
    end subroutine sum_phase_differences
 
-   !> Reports progress: some parts of some factors are done.
-   subroutine report(from, parts, n, m, first, last, error, progress)
-      !> Next part, all parts, samples
-      integer(int64), intent(in) :: from, parts, n
-      !> All factors
-      integer(int64), intent(in) :: m(:)
-      !> Those that are worked on
-      integer, intent(in) :: first, last
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-
-      call report_progress("Allan deviation", n*(first - 1) + (from - 1)*(n/parts)*(last - first + 1), n*size(m), error, progress)
-   end subroutine report
-
    !> All factors, over one part of the record.
    pure subroutine one_part(phase, m, order, s, parts, sums)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors; order of the difference
       integer(int64), intent(in) :: m(:)
       integer, intent(in) :: order
       !> Number of the part, from 1, and how many there are
       integer(int64), intent(in) :: s, parts
-      !> Sums, [size(m)]
       real(dp), intent(out) :: sums(:)
 
       integer(int64) :: n, k, row, end_before
@@ -128,14 +111,11 @@ contains
 
    !> Adds the terms of one block for every factor.
    pure subroutine one_block(phase, m, order, first, last, sums)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factors; order of the difference
       integer(int64), intent(in) :: m(:)
       integer, intent(in) :: order
       !> First and last k; those of which a factor has no term are left out
       integer(int64), intent(in) :: first, last
-      !> Sums to add to: [size(m)]
       real(dp), intent(inout) :: sums(:)
 
       integer(int64) :: n, last_term
@@ -151,15 +131,16 @@ contains
             call add_octaves(phase, first, last_term, m(i), sums(i:i + octaves - 1))
          else
             octaves = 1
-            sums(i) = sums(i) + squares(phase, first, last_term, m(i), order)
+            sums(i) = sums(i) + squared_differences(phase(first:last_term + order*m(i)), m(i), &
+               & order)
          end if
          i = i + octaves
       end do
    end subroutine one_block
 
-   !> Leading factors, four at most, of which each is twice the one before and spans no more than there is; at least one.
+   !> Leading factors, four at most, of which each is twice the one before and spans no more than
+   !> there is; at least one.
    pure integer function octave_count(m, span_max)
-      !> Averaging factors: [>= 1]
       integer(int64), intent(in) :: m(:)
       !> Phases that follow the last term
       integer(int64), intent(in) :: span_max
@@ -171,11 +152,12 @@ contains
       end do
    end function octave_count
 
-   !> Adds the sums over k = first .. last of (x(k+2j) - 2 x(k+j) + x(k))**2 for j = m, 2m, 4m and 8m.
+   !> Adds the sums over k = first .. last of (x(k+2j) - 2 x(k+j) + x(k))**2 for j = m, 2m, 4m and
+   !> 8m.
    !>
-   !> Four factors take six streams from the memory instead of twelve, and share the differences to x(k).
+   !> Four factors take six streams from the memory instead of twelve, and share the differences to
+   !> x(k).
    pure subroutine add_octaves(phase, first, last, m, sums)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> First and last term, and the smallest factor
       integer(int64), intent(in) :: first, last, m
@@ -206,46 +188,12 @@ contains
       if (size(sums) == 4) sums(4) = sums(4) + s8
    end subroutine add_octaves
 
-   !> The sum over k = first .. last, 0 without terms.
-   pure real(dp) function squares(phase, first, last, m, order)
-      !> Phase: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> First and last term, the factor, the order
-      integer(int64), intent(in) :: first, last, m
-      integer, intent(in) :: order
-
-      integer(int64) :: k
-
-      squares = 0
-      if (order == 2) then
-         !$omp simd reduction(+:squares)
-         do k = first, last
-            squares = squares + ((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))**2
-         end do
-      else
-         !$omp simd reduction(+:squares)
-         do k = first, last
-            squares = squares + ((phase(k + 3*m) - phase(k)) - 3*(phase(k + 2*m) - phase(k + m)))**2
-         end do
-      end if
-   end function squares
-
-   !> Parts into which a record is cut.
-   pure integer(int64) function part_count(n)
-      !> Samples
-      integer(int64), intent(in) :: n
-
-      part_count = max(1_int64, min(parts_max, n/(8*block_length)))
-   end function part_count
-
    !> First term of a part; of the one after the last: n.
    pure integer(int64) function part_begin(s, parts, n)
       !> Its number, from 1
       integer(int64), intent(in) :: s
       !> How many there are
-      integer(int64), intent(in) :: parts
-      !> Samples
-      integer(int64), intent(in) :: n
+      integer(int64), intent(in) :: parts, n
 
       integer(int64) :: blocks
 

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Noise coefficients read off an Allan curve by eye's rule, as data sheets and most tutorials do.
 !>
-!> Each term is a straight line in the log-log plot of the deviation, and is read where that line says the coefficient itself:
+!> Each term is a straight line in the log-log plot of the deviation, and is read where that line
+!> says the coefficient itself:
 !>
 !> | term | slope | line | read at |
 !> |---|---|---|---|
@@ -11,15 +12,18 @@
 !> | K | +1/2 | $$K \sqrt{\tau/3}$$ | tau = 3 |
 !> | R | +1 | $$R \tau/\sqrt 2$$ | tau = sqrt 2 |
 !>
-!> The rule. Points with at least `least_edf` degrees of freedom count. The local slope at a point is that of the straight line
-!> through the points within a quarter of a decade on both sides of it (and at least its two neighbors), weighted with their
-!> degrees of freedom; the first and the last point take that of their neighbor. The segment of a term is the longest row of
-!> at least two neighboring points whose slopes lie within `tolerance` of the term's; a row shorter than `least_width` decades
-!> (each point reaches half way to its neighbors) is a bend that passes by, and the term is then not there. The line of the
-!> term's slope is laid through the segment, weighted with the degrees of freedom, and extended to where it is read.
+!> The rule. Points with at least `least_edf` degrees of freedom count. The local slope at a point
+!> is that of the straight line through the points within a quarter of a decade on both sides of it
+!> (and at least its two neighbors), weighted with their degrees of freedom; the first and the last
+!> point take that of their neighbor. The segment of a term is the longest row of at least two
+!> neighboring points whose slopes lie within `tolerance` of the term's; a row shorter than
+!> `least_width` decades (each point reaches half way to its neighbors) is a bend that passes by,
+!> and the term is then not there. The line of the term's slope is laid through the segment,
+!> weighted with the degrees of freedom, and extended to where it is read.
 !>
-!> Terms that overlap raise each other's lines: what is read is never below the truth but for scatter, and has no standard error.
-!> [[fit_noise]] separates them. Source: IEEE Std 952, annex C.
+!> Terms that overlap raise each other's lines: what is read is never below the truth but for
+!> scatter, and has no standard error. [[fit_noise]] separates them.
+!> Source: IEEE Std 952, annex C.
 module gyroakf_allan_read_off
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
@@ -29,7 +33,8 @@ module gyroakf_allan_read_off
    private
    public :: read_off_type, read_off, least_edf
 
-   !> What is read, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R: u/s)
+   !> What is read, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R:
+   !> u/s)
    type :: read_off_type
       !> Q N B K R, 0 where there is no segment
       real(dp) :: value(term_count) = 0.0_dp
@@ -37,15 +42,18 @@ module gyroakf_allan_read_off
       logical :: found(term_count) = .false.
       !> Averaging times between which it lies, s
       real(dp) :: from_tau(term_count) = 0.0_dp, to_tau(term_count) = 0.0_dp
-      !> The lowest deviation, not divided by anything (the in-run bias stability of many data sheets), and where it is, s, or 0
+      !> The lowest deviation, not divided by anything (the in-run bias stability of many data
+      !> sheets), and where it is, s, or 0
       real(dp) :: minimum = 0.0_dp, minimum_tau = 0.0_dp
-      !> The lowest deviation is the last one: the curve still falls, a longer record would show a lower one
+      !> The lowest deviation is the last one: the curve still falls, a longer record would show a
+      !> lower one
       logical :: falling = .false.
    end type read_off_type
 
-   !> Largest distance of a local slope from that of a term; shortest segment, and half the width of the window of a local
-   !> slope, in decades of the averaging time; degrees of freedom of a point
-   real(dp), parameter :: tolerance = 0.1_dp, least_width = 1.0_dp/3, half_window = 0.25_dp, least_edf = 20.0_dp
+   !> Largest distance of a local slope from that of a term; shortest segment, and half the width of
+   !> the window of a local slope, in decades of the averaging time; degrees of freedom of a point
+   real(dp), parameter :: tolerance = 0.1_dp, least_width = 1.0_dp/3, half_window = 0.25_dp, &
+      & least_edf = 20.0_dp
    !> Slopes of Q N B K R
    real(dp), parameter :: term_slope(term_count) = [-1.0_dp, -0.5_dp, 0.0_dp, 0.5_dp, 1.0_dp]
 
@@ -64,13 +72,16 @@ contains
       integer :: i, term, first, last
 
       if (all(curve%kind /= ["adev  ", "oadev ", "totdev"])) then
-         call fatal_error(error, status%invalid_argument, "coefficients are read off an Allan deviation (adev, oadev, totdev); "// &
-            & "this curve is a "//trim(curve%kind))
-      else if (.not. (allocated(curve%tau) .and. allocated(curve%deviation) .and. allocated(curve%edf))) then
+         call fatal_error(error, status%invalid_argument, &
+            & "coefficients are read off an Allan deviation (adev, oadev, totdev); " &
+            & //"this curve is a "//trim(curve%kind))
+      else if (.not. (allocated(curve%tau) .and. allocated(curve%deviation) &
+         & .and. allocated(curve%edf))) then
          call fatal_error(error, status%invalid_argument, "the Allan curve is empty")
       end if
       if (allocated(error)) return
-      place = pack([(i, i=1, size(curve%tau))], curve%edf >= least_edf .and. curve%deviation > tiny(1.0_dp))
+      place = pack([(i, i=1, size(curve%tau))], curve%edf >= least_edf &
+         & .and. curve%deviation > tiny(1.0_dp))
       if (size(place) == 0) return
       i = minloc(curve%deviation(place), dim=1)
       result%minimum = curve%deviation(place(i))
@@ -87,8 +98,10 @@ contains
          if (first == 0) cycle
          result%from_tau(term) = curve%tau(place(first))
          result%to_tau(term) = curve%tau(place(last))
-         result%value(term) = 10**(sum(weight(first:last)*(y(first:last) - term_slope(term)*x(first:last))) &
-            & /sum(weight(first:last)))/sqrt(term_shape(term, 1.0_dp))
+         result%value(term) = &
+            & 10**(sum(weight(first:last)*(y(first:last) &
+            & - term_slope(term)*x(first:last))) /sum(weight(first:last)))/sqrt(term_shape(term, &
+            & 1.0_dp))
       end do
    end subroutine read_off
 
@@ -110,7 +123,8 @@ contains
       slope(size(x)) = slope(size(x) - 1)
    end function local_slopes
 
-   !> Ends of the longest row of two or more neighbors that belong together and reach over `least_width`, 0 if there is none.
+   !> Ends of the longest row of two or more neighbors that belong together and reach over
+   !> `least_width`, 0 if there is none.
    pure subroutine longest_row(x, belongs, first, last)
       real(dp), intent(in) :: x(:)
       logical, intent(in) :: belongs(:)
@@ -124,9 +138,11 @@ contains
       i = 0
       do j = 1, size(x)
          if (.not. belongs(j)) i = j                        ! i: the last one that does not belong
-         if (j - i < 2) cycle                               ! from half way to the point before to half way to the one after
+         ! from half way to the point before to half way to the one after
+         if (j - i < 2) cycle
          width = (x(j) + x(min(j + 1, size(x))))/2 - (x(i + 1) + x(max(i, 1)))/2
-         if (width < widest .or. (first > 0 .and. first /= i + 1 .and. width <= widest*(1 + 1e-9_dp))) cycle
+         if (width < widest &
+            & .or. (first > 0 .and. first /= i + 1 .and. width <= widest*(1 + 1e-9_dp))) cycle
          first = i + 1
          last = j
          widest = width

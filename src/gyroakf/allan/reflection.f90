@@ -1,21 +1,24 @@
 ! SPDX-License-Identifier: MIT
 !> The terms that the total variance adds to the overlapping Allan variance.
 !>
-!> The phase is continued beyond both ends by odd reflection, x(-j) = 2 x(0) - x(j) and x(n+j) = 2 x(n) - x(n-j). The second
-!> differences inside the record are those of the overlapping variance; only the m - 1 at each end see the reflection, and
-!> they are found by index arithmetic, without the extended series.
-!> Source: C. A. Greenhall, D. A. Howe, D. B. Percival, "Total variance, an estimator of long-term frequency
-!> stability", IEEE Trans. UFFC 46 (1999) 1183-1191.
+!> The phase is continued beyond both ends by odd reflection, x(-j) = 2 x(0) - x(j) and x(n+j) = 2
+!> x(n) - x(n-j). The second differences inside the record are those of the overlapping variance;
+!> only the m - 1 at each end see the reflection, and they are found by index arithmetic, without
+!> the extended series.
+!> Source: C. A. Greenhall, D. A. Howe, D. B. Percival, "Total variance, an estimator of long-term
+!> frequency stability", IEEE Trans. UFFC 46 (1999) 1183-1191.
 !>
-!> The reflection of the phase is a mirror image of the rate. With missing samples the mirror image lacks the same ones: the window
-!> that reaches over the end holds samples twice, and its mean is taken over those that are there, each as often as it occurs.
-!> A term near an end has another expectation than one in the middle, in white noise 3j/m times (j < m/2) or 2 - j/m times as much,
-!> which evens out over all j: where terms are lost the sum is divided by the sum of these weights, not by their number.
+!> The reflection of the phase is a mirror image of the rate. With missing samples the mirror image
+!> lacks the same ones: the window that reaches over the end holds samples twice, and its mean is
+!> taken over those that are there, each as often as it occurs. A term near an end has another
+!> expectation than one in the middle, in white noise 3j/m times (j < m/2) or 2 - j/m times as much,
+!> which evens out over all j: where terms are lost the sum is divided by the sum of these weights,
+!> not by their number.
 module gyroakf_allan_reflection
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_allan_window_difference, only : gap_sums_type
+   use gyroakf_allan_window_difference, only : add_sums, gap_sums_type
    implicit none (type, external)
    private
    public :: add_reflected_differences, add_gapped_reflections, complete_weight
@@ -47,12 +50,14 @@ contains
       do i = 1, size(m)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
-            call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
+            call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, &
+               & sum(m), error, progress)
             if (allocated(error)) return
             last = min(first + batch - 1, blocks)
             !$omp parallel do schedule(static) if (m(i) >= parallel_from)
             do b = first, last
-               part(b - first + 1) = edge_squares(phase, m(i), (b - 1)*block_length + 1, min(b*block_length, m(i) - 1))
+               part(b - first + 1) = edge_squares(phase, m(i), (b - 1)*block_length + 1, &
+                  & min(b*block_length, m(i) - 1))
             end do
             !$omp end parallel do
             sums(i) = sums(i) + sum(part(:last - first + 1))
@@ -62,9 +67,7 @@ contains
 
    !> Both ends: centres j and n - j.
    pure real(dp) function edge_squares(phase, m, first, last)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
       !> First and last j, within 1 .. m - 1
       integer(int64), intent(in) :: first, last
@@ -80,12 +83,14 @@ contains
       !$omp simd reduction(+:s1, s2)
       do j = first, last
          s1 = s1 + ((phase(j + m) - phase(j)) - (phase(j) - begin) - (phase(m - j) - begin))**2
-         s2 = s2 + ((phase(n - j - m) - phase(n - j)) - (phase(n - j) - finish) - (phase(n - m + j) - finish))**2
+         s2 = s2 + ((phase(n - j - m) - phase(n - j)) - (phase(n - j) - finish) &
+            & - (phase(n - m + j) - finish))**2
       end do
       edge_squares = s1 + s2
    end function edge_squares
 
-   !> The same for a record with missing samples: differences of the means of the present samples of two windows.
+   !> The same for a record with missing samples: differences of the means of the present samples of
+   !> two windows.
    subroutine add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -95,14 +100,15 @@ contains
       integer(int64), intent(in) :: m(:)
       !> Share of a window that must be present, > 0, <= 1: [size(m)]
       real(dp), intent(in) :: coverage(:)
-      !> The sums to add to: [size(m)]; the inflation is what unit white noise adds to the square of a term
+      !> The sums to add to: [size(m)]; the inflation is what unit white noise adds to the square of
+      !> a term
       type(gap_sums_type), intent(inout) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type) :: part(batch)
+      type(gap_sums_type) :: part(batch), sum_of_batch
       integer(int64) :: blocks, b, first, last
       integer :: i
 
@@ -110,20 +116,21 @@ contains
          sums(i)%weight = real(sums(i)%terms, dp)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
-            call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, sum(m), error, progress)
+            call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, &
+               & sum(m), error, progress)
             if (allocated(error)) return
             last = min(first + batch - 1, blocks)
             !$omp parallel do schedule(static) if (m(i) >= parallel_from)
             do b = first, last
-               call gapped_edges(phase, missing, m(i), coverage(i), (b - 1)*block_length + 1, min(b*block_length, m(i) - 1), &
-                  & part(b - first + 1))
+               call gapped_edges(phase, missing, m(i), coverage(i), (b - 1)*block_length + 1, &
+                  & min(b*block_length, m(i) - 1), part(b - first + 1))
             end do
             !$omp end parallel do
-            last = last - first + 1
-            sums(i)%squares = sums(i)%squares + sum(part(:last)%squares)
-            sums(i)%inflation = sums(i)%inflation + sum(part(:last)%inflation)
-            sums(i)%terms = sums(i)%terms + sum(part(:last)%terms)
-            sums(i)%weight = sums(i)%weight + sum(part(:last)%weight)
+            sum_of_batch = gap_sums_type()
+            do b = 1, last - first + 1
+               call add_sums(part(b), sum_of_batch)
+            end do
+            call add_sums(sum_of_batch, sums(i))
          end do
       end do
    end subroutine add_gapped_reflections
@@ -139,17 +146,12 @@ contains
 
    !> Both ends: centres j and n - j.
    pure subroutine gapped_edges(phase, missing, m, coverage, first, last, sums)
-      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factor
       integer(int64), intent(in) :: m
-      !> Share of a window that must be present
       real(dp), intent(in) :: coverage
       !> First and last j, within 1 .. m - 1
       integer(int64), intent(in) :: first, last
-      !> The sums
       type(gap_sums_type), intent(out) :: sums
 
       integer(int64) :: n, j, near, far, least
@@ -159,11 +161,12 @@ contains
       do j = first, last
          near = min(j, m - j)
          far = max(j, m - j)
-         call add_edge(m, j, least, (phase(j) - phase(0)) + (phase(m - j) - phase(0)), phase(j + m) - phase(j), &
-            & near - (missing(near) - missing(0)), far - near - (missing(far) - missing(near)), &
-            & m - (missing(j + m) - missing(j)), sums)
-         call add_edge(m, j, least, (phase(n) - phase(n - j)) + (phase(n) - phase(n - m + j)), phase(n - j) - phase(n - j - m), &
-            & near - (missing(n) - missing(n - near)), far - near - (missing(n - near) - missing(n - far)), &
+         call add_edge(m, j, least, (phase(j) - phase(0)) + (phase(m - j) - phase(0)), &
+            & phase(j + m) - phase(j), near - (missing(near) - missing(0)), &
+            & far - near - (missing(far) - missing(near)), m - (missing(j + m) - missing(j)), sums)
+         call add_edge(m, j, least, (phase(n) - phase(n - j)) + (phase(n) - phase(n - m + j)), &
+            & phase(n - j) - phase(n - j - m), near - (missing(n) - missing(n - near)), &
+            & far - near - (missing(n - near) - missing(n - far)), &
             & m - (missing(n - j) - missing(n - j - m)), sums)
       end do
    end subroutine gapped_edges
@@ -176,7 +179,6 @@ contains
       real(dp), intent(in) :: outer, inner
       !> Present samples that the outer window holds twice and once, and those of the inner window
       integer(int64), intent(in) :: twice, once, whole
-      !> Sums to add to
       type(gap_sums_type), intent(inout) :: sums
 
       real(dp) :: c1, c2, white, complete
@@ -187,9 +189,10 @@ contains
       if (2*j >= m) then
          complete = real(4*m - 2*j, dp)/real(m, dp)**2
          white = real(4*twice + once, dp)/c1**2 + 1/c2
-      else                                                  ! what the outer window holds once is in the inner one too
+      else                                ! what the outer window holds once is in the inner one too
          complete = 6*real(j, dp)/real(m, dp)**2
-         white = 4*real(twice, dp)/c1**2 + real(once, dp)*(1/c1 - 1/c2)**2 + real(whole - once, dp)/c2**2
+         white = 4*real(twice, dp)/c1**2 + real(once, dp)*(1/c1 - 1/c2)**2 &
+            & + real(whole - once, dp)/c2**2
       end if
       sums%squares = sums%squares + (inner/c2 - outer/c1)**2
       sums%inflation = sums%inflation + (white - complete)

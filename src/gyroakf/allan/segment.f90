@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Overlapping Allan variances of a part of a record, from the integral of the whole.
 !>
-!> A second difference does not see where the integral began nor which mean was taken out: a part of the record needs no
-!> integral and no copy of its own.
+!> A second difference does not see where the integral began nor which mean was taken out: a part of
+!> the record needs no integral and no copy of its own.
 module gyroakf_allan_segment
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_progress, only : progress_type
@@ -17,7 +17,8 @@ module gyroakf_allan_segment
 contains
 
    !> Variances of the samples `first` .. `last`.
-   subroutine segment_variances(phase, missing, first, last, m, min_coverage, variance, share, error, progress)
+   subroutine segment_variances(phase, missing, first, last, m, min_coverage, variance, share, &
+      & error, progress)
       !> Integral of the whole record, from [[integrate_rate]]: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
@@ -37,19 +38,17 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      integer(int64) :: terms(size(m)), i
+      integer(int64) :: terms(size(m))
 
       if (allocated(missing)) then
          if (missing(last) > missing(first - 1)) then
-            call gapped_variances("oadev", phase(first - 1:last), missing(first - 1:last), m, min_coverage, variance, terms, &
-               & share, error, progress)
+            call gapped_variances("oadev", phase(first - 1:last), missing(first - 1:last), m, &
+               & min_coverage, variance, terms, share, error, progress)
             return
          end if
       end if
       share = 1
-      do i = 1, size(m, kind=int64)
-         terms(i) = term_count("oadev", last - first + 1, m(i))
-      end do
+      terms = term_count("oadev", last - first + 1, m)
       call sum_phase_differences(phase(first - 1:last), m, 2, variance, error, progress)
       if (allocated(error)) return
       variance = variance/(variance_divisor("oadev", m)*real(terms, dp))

@@ -11,7 +11,8 @@
 !> | `ohdev` | Hadamard, overlapping | n - 3m + 1 | n/3 |
 !> | `totdev` | total | n - 1 | n/2 |
 !>
-!> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008), section 5.2.
+!> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008),
+!> section 5.2.
 module gyroakf_allan_statistic
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -19,10 +20,12 @@ module gyroakf_allan_statistic
    use gyroakf_allan_degrees_of_freedom, only : greenhall_edf
    implicit none (type, external)
    private
-   public :: statistic_names, check_statistic, longest_factor, term_count, difference_order, variance_divisor, statistic_edf
+   public :: statistic_names, check_statistic, longest_factor, term_count, difference_order, &
+      & variance_divisor, statistic_edf
 
    !> All of them
-   character(6), parameter :: statistic_names(7) = ["adev  ", "oadev ", "mdev  ", "tdev  ", "hdev  ", "ohdev ", "totdev"]
+   character(6), parameter :: statistic_names(7) = ["adev  ", "oadev ", "mdev  ", "tdev  ", &
+      & "hdev  ", "ohdev ", "totdev"]
 
 contains
 
@@ -98,7 +101,8 @@ contains
       if (kind == "hdev" .or. kind == "ohdev") difference_order = 3
    end function difference_order
 
-   !> What the mean square of the differences of the phase (in units of rate times sample) is divided by.
+   !> What the mean square of the differences of the phase (in units of rate times sample) is
+   !> divided by.
    elemental real(dp) function variance_divisor(kind, m)
       !> A known statistic
       character(*), intent(in) :: kind
@@ -122,10 +126,11 @@ contains
    !>
    !> The differences are of [[greenhall_edf]]. Of the total variance
    !> $$ \nu = b T/\tau - c $$
-   !> with (b, c) = (1.50, 0), (1.17, 0.22), (0.93, 0.36) for white, flicker and random-walk rate noise (NIST SP 1065, section
-   !> 5.4.1); for phase noise it is taken as that of the overlapping Allan variance. The formula is meant for long averaging times:
-   !> for independent rates it is 126 % too large at m = 1 (where the total variance is the overlapping one), 14 % at m = 3, 1 % at
-   !> m = 16, and it is kept because published limits rest on it.
+   !> with (b, c) = (1.50, 0), (1.17, 0.22), (0.93, 0.36) for white, flicker and random-walk rate
+   !> noise (NIST SP 1065, section 5.4.1); for phase noise it is taken as that of the overlapping
+   !> Allan variance. The formula is meant for long averaging times: for independent rates it is
+   !> 126 % too large at m = 1 (where the total variance is the overlapping one), 14 % at m = 3,
+   !> 1 % at m = 16, and it is kept because published limits rest on it.
    pure real(dp) function statistic_edf(kind, phases, m, alpha) result(edf)
       !> A known statistic
       character(*), intent(in) :: kind
@@ -136,7 +141,8 @@ contains
       !> Noise exponent, 2 .. -4
       integer, intent(in) :: alpha
 
-      real(dp), parameter :: b(-2:0) = [0.93_dp, 1.17_dp, 1.50_dp], c(-2:0) = [0.36_dp, 0.22_dp, 0.0_dp]
+      real(dp), parameter :: b(-2:0) = [0.93_dp, 1.17_dp, 1.50_dp], &
+         & c(-2:0) = [0.36_dp, 0.22_dp, 0.0_dp]
       logical :: modified, overlapping
 
       modified = kind == "mdev" .or. kind == "tdev"

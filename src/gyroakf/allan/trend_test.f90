@@ -1,27 +1,31 @@
 ! SPDX-License-Identifier: MIT
 !> A ramp or a warm-up under noise.
 !>
-!> The record is averaged in 128 blocks. The differences z of successive means are noise of covariance C, a mixture of N, B and
-!> K, plus the trend. With the likelihood of normal noise,
+!> The record is averaged in 128 blocks. The differences z of successive means are noise of
+!> covariance C, a mixture of N, B and K, plus the trend. With the likelihood of normal noise,
 !>
-!> $$ -2 \ln L = n \ln \left( z' C^{-1} z - \frac{(s' C^{-1} z)^2}{s' C^{-1} s} \right) + \ln |C|, $$
+!> $$ -2 \ln L =
+!>    n \ln \left( z' C^{-1} z - \frac{(s' C^{-1} z)^2}{s' C^{-1} s} \right) + \ln |C|, $$
 !>
-!> s the differences of the trend's block means, the gain of a trend is the rise of 2 ln L over noise alone; the mixture is
-!> free on both sides, so that a trend has to describe the record better than a random walk does. z is stationary: C is a
-!> Toeplitz matrix, and the recursion of Levinson and Durbin gives its inverse and determinant.
-!> Tried are a straight line and exp(-t/T) with 19 T from two blocks to the record.
+!> s the differences of the trend's block means, the gain of a trend is the rise of 2 ln L over
+!> noise alone; the mixture is free on both sides, so that a trend has to describe the record better
+!> than a random walk does. z is stationary: C is a Toeplitz matrix, and the recursion of Levinson
+!> and Durbin gives its inverse and determinant. Tried are a straight line and exp(-t/T) with 19 T
+!> from two blocks to the record.
 module gyroakf_allan_trend_test
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_allan_fit_covariance, only : lag_covariances
    implicit none (type, external)
    private
-   public :: trend_test_options, record_trend_type, block_count, block_means, find_trend, trend_means, trend_values
+   public :: trend_test_options, record_trend_type, block_count, block_means, find_trend, &
+      & trend_means, trend_values
 
    !> Thresholds
    type :: trend_test_options
-      !> Gain from which on a ramp is a ramp, and a warm-up is a warm-up, which also has to gain so much more than a ramp:
-      !> without a trend a ramp gains less in 99 % of records of white and flicker noise (10 under a faint random walk)
+      !> Gain from which on a ramp is a ramp, and a warm-up is a warm-up, which also has to gain so
+      !> much more than a ramp: without a trend a ramp gains less in 99 % of records of white and
+      !> flicker noise (10 under a faint random walk)
       real(dp) :: ramp_gain = 6.0_dp, warm_up_gain = 12.0_dp, curved_margin = 6.0_dp
    end type trend_test_options
 
@@ -31,18 +35,18 @@ module gyroakf_allan_trend_test
       character(7) :: shape = ""
       !> Rise of 2 ln L by the trend that gains most, also where it is not enough
       real(dp) :: gain = 0.0_dp
-      !> Change over the record of a ramp; difference to the end value at the first sample of a warm-up, and its time constant
-      real(dp) :: size = 0.0_dp, time_constant = 0.0_dp
-      !> Standard error of the size
-      real(dp) :: std_error = 0.0_dp
+      !> Change over the record of a ramp, or difference to the end value at the first sample of a
+      !> warm-up; its standard error; time constant of a warm-up
+      real(dp) :: size = 0.0_dp, std_error = 0.0_dp, time_constant = 0.0_dp
    end type record_trend_type
 
-   !> Blocks of a record, their differences, time constants tried, weights of B and K beside N in a mixture: 0 and 2^-7 to 2^7
-   integer, parameter :: block_count = 128, differences = block_count - 1, scale_count = 19, weight_count = 16
-   !> Mixtures with white noise, of B and K without it, and K alone
-   integer, parameter :: mixture_count = weight_count**2 + weight_count + 1
-   !> Time constants about the best one, and half their range in ln T
-   integer, parameter :: fine_count = 21
+   !> Blocks of a record, their differences, time constants tried, weights of B and K beside N in a
+   !> mixture: 0 and 2^-7 to 2^7
+   integer, parameter :: block_count = 128, differences = block_count - 1, scale_count = 19, &
+      & weight_count = 16
+   !> Mixtures with white noise, of B and K without it, and K alone; time constants about the best
+   !> one, and half their range in ln T
+   integer, parameter :: mixture_count = weight_count**2 + weight_count + 1, fine_count = 21
    real(dp), parameter :: fine_range = 0.25_dp
 
 contains
@@ -71,7 +75,8 @@ contains
          last = i*length
          if (present(valid)) then
             known(i) = any(valid(first:last) == 1)
-            if (known(i)) mean(i) = sum(x(first:last), mask=valid(first:last) == 1)/count(valid(first:last) == 1, kind=int64)
+            if (known(i)) mean(i) = sum(x(first:last), mask=valid(first:last) == 1) &
+               & /count(valid(first:last) == 1, kind=int64)
          else
             mean(i) = sum(x(first:last))/real(length, dp)
          end if
@@ -84,7 +89,8 @@ contains
          behind = i - 1 + findloc(known(i:), .true., dim=1)
          if (before == 0) before = behind
          if (behind == i - 1) behind = before
-         mean(i) = mean(before) + (mean(behind) - mean(before))*real(i - before, dp)/real(max(1, behind - before), dp)
+         mean(i) = mean(before) + (mean(behind) - mean(before)) &
+            & *real(i - before, dp)/real(max(1, behind - before), dp)
       end do
    end subroutine block_means
 
@@ -100,7 +106,8 @@ contains
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: series(:, :), cost(:, :)
-      real(dp) :: gain(scale_count + 1), term(0:differences - 1, 3)
+      !> Autocovariances of the differences of block means of N, B and K, over their variances
+      real(dp) :: term(0:differences - 1, 3), gain(scale_count + 1)
       integer :: k, shape, mixture, stat, failed(mixture_count)
 
       allocate (series(0:scale_count + 1, differences), stat=stat)
@@ -114,7 +121,8 @@ contains
       do k = 1, scale_count
          series(k + 1, :) = exp(-[(real(shape, dp), shape=0, differences - 1)]/scale_of(k))
       end do
-      term = noise_covariances()
+      term = lag_covariances(1.0_dp, 1.0_dp, [(real(k, dp), k=0, differences - 1)])
+      term = term/spread(term(0, :), 1, differences)
       !$omp parallel do schedule(static)
       do k = 1, mixture_count
          call find_costs(mixture_covariance(term, k), series, cost(:, k), failed(k))
@@ -146,18 +154,7 @@ contains
       call fatal_error(error, status%no_memory, "no memory for the search for a trend")
    end subroutine refuse
 
-   !> Autocovariances of the differences of block means of N, B and K, over their variances: [lag, term].
-   pure function noise_covariances() result(term)
-      real(dp) :: term(0:differences - 1, 3)
-      integer :: i
-
-      term = lag_covariances(1.0_dp, 1.0_dp, [(real(i, dp), i=0, differences - 1)])
-      do i = 1, 3
-         term(:, i) = term(:, i)/term(0, i)
-      end do
-   end function noise_covariances
-
-   !> Those of a mixture: of all three, of B and K, and K alone.
+   !> Autocovariances of a mixture: of all three terms, of B and K, and of K alone.
    pure function mixture_covariance(term, mixture) result(covariance)
       real(dp), intent(in) :: term(0:, :)
       !> 1 .. `mixture_count`
@@ -176,7 +173,7 @@ contains
       end if
    end function mixture_covariance
 
-   !> -2 ln L, up to a constant, of the first series without a trend, and with each of the others as trend.
+   !> -2 ln L, but for a constant, of the first series without a trend and with the others as trend.
    pure subroutine find_costs(covariance, series, cost, stat)
       !> Autocovariances from lag 0 on; the series: [series, time]
       real(dp), intent(in) :: covariance(0:), series(0:, :)
@@ -195,7 +192,8 @@ contains
       cost = size(series, 2)*log(max(cost, tiny(1.0_dp))) + log_determinant
    end subroutine find_costs
 
-   !> Independent innovations of variance 1 of series that have the same autocovariances, by Levinson and Durbin.
+   !> Independent innovations of variance 1 of series that have the same autocovariances, by
+   !> Levinson and Durbin.
    pure subroutine whiten(covariance, series, white, log_determinant)
       !> From lag 0 on; [series, time]
       real(dp), intent(in) :: covariance(0:), series(:, :)
@@ -224,12 +222,10 @@ contains
    subroutine measure_trend(mean, samples, covariance, scale, trend, error)
       real(dp), intent(in) :: mean(block_count)
       integer(int64), intent(in) :: samples
-      !> Of the mixture
       real(dp), intent(in) :: covariance(0:)
       !> Number of the time constant that gained most; 0 of a ramp
       integer, intent(in) :: scale
       type(record_trend_type), intent(inout) :: trend
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: log_time(fine_count), cost(0:fine_count), bend
       real(dp), allocatable :: series(:, :)
@@ -255,14 +251,14 @@ contains
          best = min(max(minloc(cost(1:), dim=1), 2), fine_count - 1)
          bend = cost(best - 1) - 2*cost(best) + cost(best + 1)
          trend%time_constant = log_time(best)
-         if (bend > 0) trend%time_constant = trend%time_constant + 0.5_dp*(log_time(2) - log_time(1))* &
-            & (cost(best - 1) - cost(best + 1))/bend
+         if (bend > 0) trend%time_constant = trend%time_constant &
+            & + 0.5_dp*(log_time(2) - log_time(1))*(cost(best - 1) - cost(best + 1))/bend
          trend%time_constant = exp(min(max(trend%time_constant, log_time(1)), log_time(fine_count)))
       end if
       fitted(1, :) = steps_of(mean)
       fitted(2, :) = steps_of(unit_means(trend%shape, trend%time_constant, samples))
-      fitted(3, :) = (steps_of(unit_means(trend%shape, trend%time_constant*exp(step), samples)) - &
-                      steps_of(unit_means(trend%shape, trend%time_constant*exp(-step), samples)))/(2*step)
+      fitted(3, :) = (steps_of(unit_means(trend%shape, trend%time_constant*exp(step), samples)) &
+         & - steps_of(unit_means(trend%shape, trend%time_constant*exp(-step), samples)))/(2*step)
       call whiten(covariance, fitted, white, log_determinant)
       gram = matmul(white(2:, :), transpose(white(2:, :)))
       trend%size = dot_product(white(2, :), white(1, :))/gram(1, 1)

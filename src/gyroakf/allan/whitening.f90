@@ -7,17 +7,18 @@ module gyroakf_allan_whitening
    private
    public :: whitening
 
-   !> Eigenvalues of the correlation matrix below this share of the largest one carry no information: neighboring averaging
-   !> times say almost the same, and what differs is below the accuracy of the covariance
+   !> Eigenvalues of the correlation matrix below this share of the largest one carry no
+   !> information: neighboring averaging times say almost the same, and what differs is below the
+   !> accuracy of the covariance
    real(dp), parameter :: eigenvalue_share = 1e-3_dp
 
 contains
 
    !> Combinations of the points that are independent and of variance 1.
    !>
-   !> Where every eigenvalue of the correlation matrix R = U'U is above the share of the largest one, any root serves, and
-   !> U'^(-1) is had at once. That is so where 1/trace(R^(-1)), a lower bound of the least one, is above the share of the
-   !> largest sum of a row.
+   !> Where every eigenvalue of the correlation matrix R = U'U is above the share of the largest
+   !> one, any root serves, and U'^(-1) is had at once. That is so where 1/trace(R^(-1)), a lower
+   !> bound of the least one, is above the share of the largest sum of a row.
    subroutine whitening(covariance, axes)
       !> Covariance of the points, positive diagonal
       real(dp), intent(in) :: covariance(:, :)

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Squared differences of the means of two or three adjacent windows, at any stride, with or without missing samples.
+!> Squared differences of the means of two or three adjacent windows, at any stride, with or without
+!> missing samples.
 !>
 !> Two windows: w2 - w1 (Allan); three: w3 - 2 w2 + w1 (Hadamard). Every averaging factor is applied
 !> to a stretch of the record while it is in the cache; the stretches are fixed: the result does not
@@ -11,7 +12,7 @@ module gyroakf_allan_window_difference
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
-   public :: gap_sums_type, sum_windows
+   public :: gap_sums_type, sum_windows, add_windows, add_sums, squared_differences
 
    !> What a record gives for one averaging factor
    type :: gap_sums_type
@@ -70,11 +71,9 @@ contains
       if (present(progress)) group = min(batch, int(2*thread_count(), int64))
       group = max(1_int64, min(group, (n + stretch_length - 1)/stretch_length))
       allocate (part(min(size(m), factors), group), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the partial sums of the Allan variances")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the partial sums of the Allan variances")
+      if (allocated(error)) return
       do from = 0, n - 1, group*stretch_length
          call report_progress("Allan deviation", from, n, error, progress)
          if (allocated(error)) return
@@ -88,11 +87,11 @@ contains
                   stride = merge(1_int64, m(i), overlapping)
                   first = (from + (s - 1)*stretch_length + stride - 1)/stride*stride
                   last = min(from + s*stretch_length - 1, n - order*m(i))
-                  if (present(missing)) then
-                     call add_gapped(phase, missing, m(i), order, stride, coverage(i), first, &
-                        & last, part(i - low + 1, s))
+                  if (present(missing)) then      ! absent ones are not passed on from here
+                     call add_windows(phase, m(i), order, stride, first, last, &
+                        & part(i - low + 1, s), missing, coverage(i))
                   else
-                     call add_complete(phase, m(i), order, stride, first, last, &
+                     call add_windows(phase, m(i), order, stride, first, last, &
                         & part(i - low + 1, s))
                   end if
                end do
@@ -105,73 +104,85 @@ contains
       end do
    end subroutine sum_windows
 
-   !> Adds the sums of a stretch.
+   !> Adds the sums of some terms to those of others.
    elemental subroutine add_sums(part, total)
+      !> What is added, and to what
       type(gap_sums_type), intent(in) :: part
       type(gap_sums_type), intent(inout) :: total
 
       total%squares = total%squares + part%squares
       total%inflation = total%inflation + part%inflation
       total%terms = total%terms + part%terms
+      total%weight = total%weight + part%weight
    end subroutine add_sums
 
-   !> Terms of a complete record.
-   pure subroutine add_complete(phase, m, order, stride, first, last, sums)
+   !> The sums over the terms k = first, first + stride ... last.
+   pure subroutine add_windows(phase, m, order, stride, first, last, sums, missing, coverage)
+      !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
+      !> Averaging factor
       integer(int64), intent(in) :: m
+      !> Windows, 2 or 3
       integer, intent(in) :: order
-      !> From term to term, the first term, no term beyond
+      !> From term to term, 1 or m; the first term; no term beyond
       integer(int64), intent(in) :: stride, first, last
+      !> The sums
       type(gap_sums_type), intent(out) :: sums
+      !> Missing samples so far, [0:n], and share of a window that must be present
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      real(dp), intent(in), optional :: coverage
 
-      real(dp) :: total
+      integer(int64) :: beyond, allowed
+
+      if (last < first) return
+      beyond = last + order*m
+      if (present(missing)) then
+         allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1, &
+            & int(huge(0_int32), int64))
+         if (stride == 1) then
+            call add_gapped(m, order, int(allowed, int32), phase(first:beyond), &
+               & missing(first:beyond), m, sums)
+         else
+            call add_gapped(m, order, int(allowed, int32), [phase(first:beyond:m)], &
+               & [missing(first:beyond:m)], 1_int64, sums)
+         end if
+      else
+         sums%terms = (last - first)/stride + 1
+         if (stride == 1) then
+            sums%squares = squared_differences(phase(first:beyond), m, order)
+         else
+            sums%squares = squared_differences([phase(first:beyond:m)], 1_int64, order)
+         end if
+      end if
+   end subroutine add_windows
+
+   !> Sum of the squared second or third differences of the phase.
+   pure real(dp) function squared_differences(x, step, order) result(total)
+      !> Phase from the first term to the end of the last
+      real(dp), intent(in), contiguous :: x(:)
+      !> Places from the beginning of a window to its end
+      integer(int64), intent(in) :: step
+      !> Order of the difference, 2 or 3
+      integer, intent(in) :: order
       integer(int64) :: k
 
       total = 0
       if (order == 2) then
          !$omp simd reduction(+:total)
-         do k = first, last, stride
-            total = total + ((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k)))**2
+         do k = 1, size(x, kind=int64) - 2*step
+            total = total + ((x(k + 2*step) - x(k + step)) - (x(k + step) - x(k)))**2
          end do
       else
          !$omp simd reduction(+:total)
-         do k = first, last, stride
-            total = total + ((phase(k + 3*m) - phase(k)) - 3*(phase(k + 2*m) - phase(k + m)))**2
+         do k = 1, size(x, kind=int64) - 3*step
+            total = total + ((x(k + 3*step) - x(k)) - 3*(x(k + 2*step) - x(k + step)))**2
          end do
       end if
-      sums%squares = total
-      sums%terms = max(0_int64, (last - first + stride)/stride)
-   end subroutine add_complete
-
-   !> Terms of a record with gaps.
-   pure subroutine add_gapped(phase, missing, m, order, stride, coverage, first, last, sums)
-      real(dp), intent(in), contiguous :: phase(0:)
-      integer(int32), intent(in), contiguous :: missing(0:)
-      integer(int64), intent(in) :: m
-      integer, intent(in) :: order
-      !> From term to term, the first term, no term beyond
-      integer(int64), intent(in) :: stride, first, last
-      !> Share of a window that must be present
-      real(dp), intent(in) :: coverage
-      type(gap_sums_type), intent(out) :: sums
-
-      integer(int64) :: allowed
-
-      if (last < first) return
-      allowed = min(int((1 - coverage)*real(m, dp) + 1e-9_dp, int64), m - 1, &
-         & int(huge(0_int32), int64))
-      if (stride == 1) then
-         call add_terms(m, order, int(allowed, int32), phase(first:last + order*m), &
-            & missing(first:last + order*m), m, sums)
-      else
-         call add_terms(m, order, int(allowed, int32), [phase(first:last + order*m:m)], &
-            & [missing(first:last + order*m:m)], 1_int64, sums)
-      end if
-   end subroutine add_gapped
+   end function squared_differences
 
    !> Adds the terms whose windows lack at most `allowed` samples each; of two windows the third is
    !> empty and weighs nothing.
-   pure subroutine add_terms(m, order, allowed, x, lost, step, sums)
+   pure subroutine add_gapped(m, order, allowed, x, lost, step, sums)
       integer(int64), intent(in) :: m
       integer, intent(in) :: order
       !> Missing samples that a window may have, < m
@@ -216,6 +227,6 @@ contains
       sums%squares = squares
       sums%inflation = inverse - real(terms, dp)*(sum(w**2)/whole)
       sums%terms = terms
-   end subroutine add_terms
+   end subroutine add_gapped
 
 end module gyroakf_allan_window_difference

@@ -2,16 +2,16 @@
 !> AR models of every order by Burg's recursion: a lattice of forward and backward residuals.
 !>
 !> The residuals take 16 bytes a sample and one pass an order. b_m(t) is held in the place t - m. A
-!> step from order m-1 to m then changes f and b in place, element by element; a block is updated and
-!> summed for the next order while it is in the cache. A residual that has no partner, at the ends of
-!> a stretch without gaps, is set to 0 before it is summed: sums go over everything.
+!> step from order m-1 to m then changes f and b in place, element by element; a block is updated
+!> and summed for the next order while it is in the cache. A residual that has no partner, at the
+!> ends of a stretch without gaps, is set to 0 before it is summed: sums go over everything.
 module gyroakf_ar_burg
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_chunks, only : chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
-   use gyroakf_stats_residual_block, only : detrended_block
+   use gyroakf_stats_lagged_products, only : detrended_block
    use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
@@ -55,10 +55,10 @@ contains
    !> Burg's recursion over a series about its mean.
    !>
    !> $$k_m = \frac{2\sum_t f_{m-1}(t) b_{m-1}(t-1)}{\sum_t f_{m-1}(t)^2 + b_{m-1}(t-1)^2}, \quad
-   !> f_m(t) = f_{m-1}(t) - k_m b_{m-1}(t-1), \quad b_m(t) = b_{m-1}(t-1) - k_m f_{m-1}(t)$$
-   !> over t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over the t of every stretch that is long
-   !> enough, with one k_m for all: de Waele & Broersen, IEEE Trans. Signal Process. 48 (2000) 2876-2880. Source: Burg, Maximum
-   !> entropy spectral analysis, 37th SEG meeting (1967).
+   !> f_m(t) = f_{m-1}(t) - k_m b_{m-1}(t-1), \quad b_m(t) = b_{m-1}(t-1) - k_m f_{m-1}(t)$$ over
+   !> t = m .. n-1, from f_0 = b_0 = x; always stationary. With gaps the sums go over all stretches
+   !> that are long enough: de Waele & Broersen, IEEE Trans. Signal Process. 48 (2000)
+   !> 2876-2880. Source: Burg, Maximum entropy spectral analysis, 37th SEG meeting (1967).
    subroutine compute_burg(x, level, order, burg, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -68,7 +68,7 @@ contains
       integer, intent(in) :: order
       !> The models
       type(burg_type), intent(out) :: burg
-      !> constant_input, singular (perfect prediction), too_few_samples (the gaps leave no row), no_memory
+      !> constant_input, singular (perfect prediction), too_few_samples (no row), no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -76,20 +76,18 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(lattice_type) :: lattice
       real(dp) :: total(3)
-      integer(int64) :: n
-      integer :: m, stat
+      integer(int64) :: n, begin
+      integer :: m, chunk, stat
 
       n = size(x, kind=int64)
+      allocate (burg%reflection(order), burg%variance(0:order), burg%residual_variance(0:order), &
+         & burg%rows(0:order), burg%r(0:order))
       allocate (burg%phi(order, order), stat=stat)
-      if (stat == 0) allocate (burg%reflection(order), stat=stat)
       if (stat == 0) allocate (lattice%f(n), stat=stat)
       if (stat == 0) allocate (lattice%b(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            & "no memory for the residuals of Burg's recursion, 16 bytes a sample")
-         return
-      end if
-      allocate (burg%variance(0:order), burg%residual_variance(0:order), burg%rows(0:order), burg%r(0:order))
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the residuals of Burg's recursion, 16 bytes a sample")
+      if (allocated(error)) return
       burg%phi = 0.0_dp
       burg%reflection = 0.0_dp
       lattice%level = level
@@ -99,38 +97,44 @@ contains
       burg%variance(0) = burg%r(0)
       burg%residual_variance(0) = burg%r(0)
       burg%rows(0) = nint(total(3), int64)
-      if (.not. burg%r(0) > 0.0_dp) then
-         call fatal_error(error, status%constant_input, &
-            & "the series has no variance, no AR model describes it")
-      end if
+      if (.not. burg%r(0) > 0.0_dp) call fatal_error(error, status%constant_input, &
+         & "the series has no variance, no AR model describes it")
       do m = 1, order
-         if (.not. allocated(error)) call next_order(x, order, lattice, total, error, valid, progress)
-         if (.not. allocated(error)) call take_order(burg, m, total(1), total(2), &
-            & nint(total(3), int64), error)
          if (allocated(error)) return
+         lattice%order = m - 1
+         call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress, &
+            & [m + 1, order + 1])
+         if (allocated(error)) return
+         do chunk = 2, chunk_count(n)       ! first samples: their partners are in the chunk before
+            begin = chunk_first(n, chunk)
+            if (begin > m) call add_products(lattice%f(begin:begin), &
+               & lattice%b(begin - m:begin - m), total)
+         end do
+         call take_order(burg, m, total, error)
          lattice%reflection = burg%reflection(m)
       end do
    end subroutine compute_burg
 
-   !> The next order from the sums of its residuals.
-   subroutine take_order(burg, m, cross, power, rows, error)
+   !> The next order from the sums of its residuals: sum f_m(t) b_m(t-1), sum f_m(t)^2 + b_m(t-1)^2
+   !> where both are, and their number.
+   subroutine take_order(burg, m, total, error)
       type(burg_type), intent(inout) :: burg
       integer, intent(in) :: m
-      !> sum f b, sum f^2 + b^2
-      real(dp), intent(in) :: cross, power
-      integer(int64), intent(in) :: rows
+      real(dp), intent(in) :: total(3)
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: k
+      real(dp) :: k, power
       integer :: j
       character(160) :: text
 
-      if (rows < 1) then
+      power = total(2)
+      burg%rows(m) = nint(total(3), int64)
+      if (burg%rows(m) < 1) then
          write (text, '("the gaps leave no ", i0, " samples in a row for AR(", i0, ")")') m + 1, m
          call fatal_error(error, status%too_few_samples, trim(text))
          return
       end if
       k = 0.0_dp
-      if (power > 0.0_dp) k = 2.0_dp*cross/power
+      if (power > 0.0_dp) k = 2.0_dp*total(1)/power
       burg%reflection(m) = k
       burg%r(m) = k*burg%variance(m - 1)
       do j = 1, m - 1
@@ -139,46 +143,16 @@ contains
       end do
       burg%phi(m, m) = k
       burg%variance(m) = burg%variance(m - 1)*((1.0_dp - k)*(1.0_dp + k))
-      burg%residual_variance(m) = power*((1.0_dp - k)*(1.0_dp + k))/(2.0_dp*real(rows, dp))
-      burg%rows(m) = rows
+      burg%residual_variance(m) = power*((1.0_dp - k)*(1.0_dp + k))/(2.0_dp*total(3))
       if (.not. (power > 0.0_dp .and. burg%variance(m) > epsilon(k)*burg%variance(0))) then
-         write (text, '("Burg''s recursion predicts the series exactly at order ", i0, ": variance ", es10.3, " of ", es10.3)') &
-            & m, max(burg%variance(m), 0.0_dp), burg%variance(0)
+         write (text, "(a, i0, 2(a, es10.3))") &
+            & "Burg's recursion predicts the series exactly at order ", m, ": variance ", &
+            & max(burg%variance(m), 0.0_dp), " of ", burg%variance(0)
          call fatal_error(error, status%singular, trim(text))
       end if
    end subroutine take_order
 
-   !> Steps to the next order and sums what the one after that needs.
-   subroutine next_order(x, last, lattice, total, error, valid, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      !> Largest order
-      integer, intent(in) :: last
-      !> Of order m-1, or fresh; of order m afterwards
-      type(lattice_type), intent(inout) :: lattice
-      !> sum f_m(t) b_m(t-1) and sum f_m(t)^2 + b_m(t-1)^2 over the t where both are, and their
-      !> number
-      real(dp), intent(out) :: total(3)
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: n, begin, partner
-      integer :: chunk
-
-      n = size(x, kind=int64)
-      lattice%order = lattice%order + 1
-      call sum_chunks(lattice, x, n, "AR model", total, error, valid, progress, &
-         & [lattice%order + 2, last + 1])
-      ! first samples, whose partners stand in the chunk before
-      do chunk = 2, chunk_count(n)
-         begin = chunk_first(n, chunk)
-         partner = begin - lattice%order - 1
-         if (partner >= 1) call add_products(lattice%f(begin:begin), lattice%b(partner:partner), &
-            & total)
-      end do
-   end subroutine next_order
-
-   !> Takes a chunk of the series, or the step to the order in it; sums less the first sample's
-   !> part.
+   !> Loads a chunk, or steps to the order in it; sums all but the first sample's part.
    subroutine add_order(self, x, n, chunk, total, stat, valid)
       class(lattice_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
@@ -220,7 +194,6 @@ contains
    !> Residuals of a block of the next order.
    pure subroutine step(k, f, b)
       real(dp), intent(in) :: k
-      !> f(t), b(t-1): [n]
       real(dp), intent(inout), contiguous :: f(:), b(:)
       real(dp) :: forward
       integer :: i
@@ -235,7 +208,6 @@ contains
 
    !> Adds sum f b and sum f^2 + b^2.
    pure subroutine add_products(f, b, total)
-      !> f(t), b(t-1): [n]
       real(dp), intent(in), contiguous :: f(:), b(:)
       real(dp), intent(inout) :: total(:)
       real(dp) :: cross, power

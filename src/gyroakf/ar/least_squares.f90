@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> AR models by least squares, forward with an intercept (ols, "covariance").
 !>
-!> The orders are compared on the rows that the largest of them has, from one Gram matrix and one Cholesky factor; the order that
-!> is taken is fitted once more to all rows that it has. Its normal equations are solved about the mean, then corrected
-!> with the products of the residuals and the lags, which are summed over the data: the digits that forming the matrix
-!> costs come back. Source: Bjorck, Numerical Methods for Least Squares Problems (1996), 2.4.7 and 6.6.5.
+!> The orders are compared on the rows that the largest of them has, from one Gram matrix and one
+!> Cholesky factor; the order that is taken is fitted once more to all rows that it has. Its normal
+!> equations are solved about the mean, then corrected with the products of the residuals and the
+!> lags, which are summed over the data: the digits that forming the matrix costs come back. Source:
+!> Bjorck, Numerical Methods for Least Squares Problems (1996), 2.4.7 and 6.6.5.
 module gyroakf_ar_least_squares
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
@@ -13,8 +14,7 @@ module gyroakf_ar_least_squares
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_lagged_gram, only : gram_type, shorten_gram
-   use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_residual_block, only : detrended_block, residual_block
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block, residual_block
    use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
@@ -25,18 +25,17 @@ module gyroakf_ar_least_squares
 
    !> The model of one order
    type :: fitted_order_type
-      !> Coefficients, and the square roots of the diagonal of the inverse of the matrix of the normal equations: [p]
+      !> Coefficients; square roots of the diagonal of the inverse normal equations: [p]
       real(dp), allocatable :: phi(:), spread(:)
-      !> Constant of the regression of the series about its mean; its spread; that of the intercept of the series itself
-      real(dp) :: constant = 0.0_dp, constant_spread = 0.0_dp, intercept_spread = 0.0_dp
+      !> Constant of the regression of the series about its mean; spread of the series' intercept
+      real(dp) :: constant = 0.0_dp, intercept_spread = 0.0_dp
       !> Mean square of the residuals
       real(dp) :: variance = 0.0_dp
       !> Rows
       integer(int64) :: rows = 0
    end type fitted_order_type
 
-   !> Sums of the residuals e_t of a model over the complete rows: of e_t x_(t-j), j = 0 .. p, of
-   !> e^2 and of e
+   !> Sums over the complete rows: of e_t x_(t-j), j = 0 .. p, of e^2 and of e, e the residuals
    type, extends(chunk_sums_type) :: residual_sums_type
       !> Mean of the series
       type(trend_type) :: level
@@ -50,8 +49,8 @@ contains
 
    !> Mean square of the residuals of every order, on the same rows.
    !>
-   !> With R the Cholesky factor of the bordered matrix, x_t last, $$RSS_k = R_{yy}^2 + \sum_{i>k} R_{iy}^2:$$ summed upward,
-   !> nothing cancels.
+   !> With R the Cholesky factor of the bordered matrix, x_t last, $$RSS_k = R_{yy}^2 + \sum_{i>k}
+   !> R_{iy}^2:$$ summed upward, nothing cancels.
    subroutine compare_orders(gram, variance, error)
       !> Of the largest order; it has rows
       type(gram_type), intent(in) :: gram
@@ -68,51 +67,40 @@ contains
       call normal_matrix(gram, a, scale, error)
       if (allocated(error)) return
       call dpotrf("U", p + 1, a, p + 1, info)
-      if (info > 0) then
-         call refuse(min(info, p), error)
-         return
-      end if
+      if (info > 0) call refuse(min(info, p), error)
+      if (allocated(error)) return
       variance(p) = a(p + 1, p + 1)**2
       do i = p, 1, -1
          variance(i - 1) = variance(i) + a(i, p + 1)**2
       end do
-      do i = 0, p
-         if (variance(i) > rounding*variance(0)) cycle
-         call refuse(i, error)
-         return
-      end do
+      i = findloc(variance > rounding*variance(0), .false., 1) - 1
+      if (i >= 0) call refuse(i, error)
       variance = variance*(scale(p + 1)/real(gram%rows, dp)*scale(p + 1))
    end subroutine compare_orders
 
-   !> The matrix of the normal equations, scaled to a diagonal of ones: lags 1 .. p, then x_t itself.
+   !> Matrix of the normal equations, scaled to a unit diagonal: lags 1 .. p, then x_t.
    subroutine normal_matrix(gram, a, scale, error)
-      !> Sums over the rows
       type(gram_type), intent(in) :: gram
       !> Upper triangle: [p+1, p+1]; square roots of its diagonal before: [p+1]
       real(dp), allocatable, intent(out) :: a(:, :), scale(:)
-      !> constant_input, no_memory
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, j, p, stat
+      integer :: j, p, stat
 
       p = gram%lags
       allocate (a(p + 1, p + 1), stat=stat)
       if (stat == 0) allocate (scale(p + 1), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the normal equations of an AR model")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the normal equations of an AR model")
+      if (allocated(error)) return
       a = 0.0_dp
       do j = 1, p + 1
          a(:j, j) = gram%matrix(2:j + 1, j + 1) &
             & - gram%matrix(1, 2:j + 1)*(gram%matrix(1, j + 1)/real(gram%rows, dp))
+         scale(j) = sqrt(max(a(j, j), 0.0_dp))
       end do
-      do i = 1, p + 1
-         scale(i) = sqrt(max(a(i, i), 0.0_dp))
-      end do
-      if (.not. all(scale > 0.0_dp)) then
-         call fatal_error(error, status%constant_input, "the series has no variance, no AR model describes it")
-         return
-      end if
+      if (.not. all(scale > 0.0_dp)) call fatal_error(error, status%constant_input, &
+         & "the series has no variance, no AR model describes it")
+      if (allocated(error)) return
       do j = 1, p + 1
          a(:, j) = a(:, j)/scale/scale(j)
       end do
@@ -146,10 +134,8 @@ contains
       allocate (fit%phi(order), fit%spread(order))
       fit%phi = a(:order, order + 1)
       call dpotrf("U", order, a, order + 1, info)
-      if (info > 0) then
-         call refuse(info, error)
-         return
-      end if
+      if (info > 0) call refuse(info, error)
+      if (allocated(error)) return
       call dpotrs("U", order, 1, a, order + 1, fit%phi, max(order, 1), info)
       fit%phi = fit%phi*scale(order + 1)/scale(:order)
       call correct(x, level, gram, a, scale, fit, error, valid, progress)
@@ -160,20 +146,14 @@ contains
 
    !> Corrects the solution by the residuals that it leaves.
    subroutine correct(x, level, gram, factor, scale, fit, error, valid, progress)
-      !> Series, its mean
       real(dp), intent(in), contiguous :: x(:)
       type(trend_type), intent(in) :: level
-      !> Sums over the rows
       type(gram_type), intent(in) :: gram
       !> Cholesky factor of the scaled matrix: [p+1, p+1]; the scale: [p+1]
       real(dp), intent(in) :: factor(:, :), scale(:)
-      !> Coefficients, then constant and variance too
       type(fitted_order_type), intent(inout) :: fit
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(residual_sums_type) :: sums
       real(dp), dimension(size(fit%phi)) :: step, gradient, lag_mean
@@ -196,9 +176,8 @@ contains
       step = step/scale(:p)
       fit%phi = fit%phi + step
       fit%constant = fit%constant + total(p + 3)/equations - dot_product(step, lag_mean)
-      fit%variance = (total(p + 2) - total(p + 3)**2/equations &
-         & - dot_product(step, gradient))/equations
-      fit%variance = max(fit%variance, 0.0_dp)
+      fit%variance = max(0.0_dp, &
+         & (total(p + 2) - total(p + 3)**2/equations - dot_product(step, gradient))/equations)
    end subroutine correct
 
    !> The sums over the residuals of a chunk.
@@ -232,51 +211,32 @@ contains
 
    !> Standard errors over the standard deviation of the noise.
    pure subroutine spread_of(gram, inverse, scale, mean, fit)
-      !> Sums over the rows
       type(gram_type), intent(in) :: gram
-      !> Inverse of the scaled matrix, upper triangle, and the scale
-      real(dp), intent(in) :: inverse(:, :), scale(:)
-      !> Mean of the series
-      real(dp), intent(in) :: mean
-      !> Its spreads are filled
+      real(dp), intent(in) :: inverse(:, :), scale(:), mean
       type(fitted_order_type), intent(inout) :: fit
-      integer :: i
+      real(dp) :: u(size(fit%phi)), s
+      integer :: j, k
 
-      do i = 1, size(fit%phi)
-         fit%spread(i) = sqrt(max(inverse(i, i), 0.0_dp))/scale(i)
-      end do
-      fit%constant_spread = about(0.0_dp)
-      fit%intercept_spread = about(mean)
-   contains
-      !> Spread of the constant of the series less a number.
-      pure real(dp) function about(offset)
-         !> The number
-         real(dp), intent(in) :: offset
-         real(dp) :: u(size(fit%phi)), s
-         integer :: j, k
-
-         u = (offset + gram%matrix(1, 2:size(u) + 1)/real(gram%rows, dp))/scale(:size(u))
-         s = 1.0_dp/real(gram%rows, dp)
-         do j = 1, size(u)
-            s = s + inverse(j, j)*u(j)**2
-            do k = 1, j - 1
-               s = s + 2.0_dp*inverse(k, j)*u(k)*u(j)
-            end do
+      u = (mean + gram%matrix(1, 2:size(u) + 1)/real(gram%rows, dp))/scale(:size(u))
+      s = 1.0_dp/real(gram%rows, dp)
+      do j = 1, size(u)
+         fit%spread(j) = sqrt(max(inverse(j, j), 0.0_dp))/scale(j)
+         s = s + inverse(j, j)*u(j)**2
+         do k = 1, j - 1
+            s = s + 2.0_dp*inverse(k, j)*u(k)*u(j)
          end do
-         about = sqrt(max(s, 0.0_dp))
-      end function about
+      end do
+      fit%intercept_spread = sqrt(max(s, 0.0_dp))
    end subroutine spread_of
 
    !> The series is predicted exactly.
    subroutine refuse(order, error)
-      !> The order from which on it is
       integer, intent(in) :: order
-      !> singular
       type(error_type), allocatable, intent(out) :: error
       character(160) :: text
 
-      write (text, '("AR(", i0, ") predicts the series exactly (a line, a sinusoid, too few different values?): ", a)') order, &
-         & "there is no noise to model"
+      write (text, "(a, i0, 2a)") "AR(", order, ") predicts the series exactly (a line, a ", &
+         & "sinusoid, too few different values?): there is no noise to model"
       call fatal_error(error, status%singular, trim(text))
    end subroutine refuse
 

@@ -14,8 +14,8 @@ contains
    !>
    !> $$k_m = \Big(r_m - \sum_{j<m} \phi_{m-1,j} r_{m-j}\Big)/s_{m-1}, \quad \phi_{m,m} = k_m, \quad
    !>   \phi_{m,j} = \phi_{m-1,j} - k_m \phi_{m-1,m-j}, \quad s_m = s_{m-1}(1 - k_m^2)$$
-   !> with s_0 = r_0. O(p^2). With positive definite autocovariances (the biased ones of a series without
-   !> gaps) |k_m| < 1 and every model is stationary. Source: Durbin, Rev. Int. Stat. Inst. 28 (1960) 233-244.
+   !> with s_0 = r_0. O(p^2). With positive definite autocovariances (biased, without gaps) |k_m| <
+   !> 1 and every model is stationary. Source: Durbin, Rev. Int. Stat. Inst. 28 (1960) 233-244.
    subroutine solve_levinson(r, phi, variance, error)
       !> Autocovariances, finite: [0:p], p >= 0
       real(dp), intent(in) :: r(0:)
@@ -33,17 +33,17 @@ contains
       p = ubound(r, 1)
       allocate (variance(0:p), stat=stat)
       if (stat == 0) allocate (phi(p, p), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the AR coefficients of every order")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the AR coefficients of every order")
+      if (allocated(error)) return
       phi = 0.0_dp
       variance = 0.0_dp
       if (.not. all(ieee_is_finite(r))) then
          call fatal_error(error, status%non_finite, "an autocovariance is not finite")
          return
       else if (r(0) <= 0.0_dp) then
-         call fatal_error(error, status%constant_input, "the series has no variance, no AR model describes it")
+         call fatal_error(error, status%constant_input, &
+            & "the series has no variance, no AR model describes it")
          return
       end if
       variance(0) = r(0)
@@ -59,8 +59,8 @@ contains
          phi(m, m) = reflection
          variance(m) = variance(m - 1)*((1.0_dp - reflection)*(1.0_dp + reflection))
          if (variance(m) <= epsilon(r)*r(0)) then
-            write (text, '("the Yule-Walker equations are singular at order ", i0, ": variance ", es10.3, " of ", es10.3)') &
-               & m, variance(m), r(0)
+            write (text, "(a, i0, 2(a, es10.3))") "the Yule-Walker equations are singular at " &
+               & //"order ", m, ": variance ", variance(m), " of ", r(0)
             call fatal_error(error, status%singular, trim(text))
             return
          end if

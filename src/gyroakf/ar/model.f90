@@ -1,27 +1,29 @@
 ! SPDX-License-Identifier: MIT
-!> AR(p) model of a series: orders compared, one chosen, with its uncertainty.
+!> AR(p) model of a series: orders compared, one chosen, with its uncertainty; its spectrum.
 module gyroakf_ar_model
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
-   use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, series_mean
+   use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, find_level
    use gyroakf_stats_lagged_gram, only : gram_type, build_gram
-   use gyroakf_stats_trend, only : trend_type, set_level
+   use gyroakf_stats_trend, only : trend_type
    use gyroakf_ar_burg, only : burg_type, compute_burg
-   use gyroakf_ar_criteria, only : ar_order_type, order_criteria, criterion_number, best_order
    use gyroakf_ar_least_squares, only : compare_orders, fit_order, fitted_order_type
    use gyroakf_ar_levinson, only : solve_levinson
    use gyroakf_ar_residuals, only : analyse_residuals
    use gyroakf_ar_roots, only : find_ar_roots, largest_modulus
-   use gyroakf_ar_ar_types, only : ar_options, ar_model_type, check_options, check_length
+   use gyroakf_ar_ar_types, only : ar_options, ar_model_type, ar_order_type, check_options, &
+      & check_length, order_criteria, criterion_number, best_order
    use gyroakf_stats_correlation, only : correlation_of
    use gyroakf_stats_moments, only : moments_type
    use gyroakf_stats_normality, only : test_jarque_bera
    use gyroakf_stats_whiteness, only : ljung_box_of
    implicit none (type, external)
    private
-   public :: ar_options, ar_order_type, ar_model_type, fit_ar
+   public :: ar_options, ar_order_type, ar_model_type, fit_ar, ar_spectrum
+
+   real(dp), parameter :: two_pi = 6.283185307179586476925286766559_dp
 
 contains
 
@@ -29,17 +31,19 @@ contains
    !>
    !> | method | coefficients | noise variance | n of the criteria | missing samples |
    !> |---|---|---|---|---|
-   !> | yw | biased autocovariances, Levinson's recursion | r_0 prod (1 - k^2) | present samples | every pair that is present |
-   !> | burg | [[compute_burg]] | r_0 prod (1 - k^2) | present samples | stretches, one reflection coefficient for all |
-   !> | ols | least squares of x_t on 1, x_(t-1) .. x_(t-p) | RSS/rows | rows of the largest order | complete rows |
+   !> | yw | [[solve_levinson]] | r_0 prod (1 - k^2) | present samples | every present pair |
+   !> | burg | [[compute_burg]] | r_0 prod (1 - k^2) | present samples | stretches of samples |
+   !> | ols | x_t on 1, x_(t-1) .. x_(t-p) | RSS/rows | rows of the largest order | complete rows |
    !>
-   !> With ols the order that is taken is fitted again to all rows that it has. Standard errors are the square roots of
-   !> the diagonal of $$\frac{s_p^2}{n} R_p^{-1},$$ R_p the Toeplitz matrix of the autocovariances r_0 .. r_(p-1) (burg: those of
-   !> the model), with gaps n the length times the smallest share of pairs that is present at the lags 0 .. p (burg: of rows);
-   !> with ols the matrix of the normal equations, over its rows, takes the place of R_p. The variance in them has
-   !> the divisor n, without a correction for the parameters: `unbiased_variance` has that. yw without gaps and burg are always
-   !> stationary, a model by ols is mostly. The residuals are tested in a pass of their own, without being stored. Source:
-   !> Brockwell & Davis, Time Series: Theory and Methods (1991), 8.1, 8.2; Marple, Digital Spectral Analysis (1987), chapter 8.
+   !> With ols the order that is taken is fitted again to all rows that it has. Standard errors are
+   !> the square roots of the diagonal of $$\frac{s_p^2}{n} R_p^{-1},$$ R_p the Toeplitz matrix of
+   !> the autocovariances r_0 .. r_(p-1) (burg: those of the model), with gaps n the length times
+   !> the smallest share of pairs that is present at the lags 0 .. p (burg: of rows); with ols the
+   !> matrix of the normal equations, over its rows, takes the place of R_p. The variance in them
+   !> has the divisor n, without a correction for the parameters: `unbiased_variance` has that. yw
+   !> without gaps and burg are always stationary, a model by ols is mostly. The residuals are
+   !> tested in a pass of their own, without being stored. Source: Brockwell & Davis, Time Series:
+   !> Theory and Methods (1991), 8.1, 8.2; Marple, Digital Spectral Analysis (1987), chapter 8.
    subroutine fit_ar(x, options, model, error, valid, shared, progress)
       !> Series: [n], finite, n > order + 3 (ols: so many rows); not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -47,7 +51,8 @@ contains
       type(ar_options), intent(in) :: options
       !> The model
       type(ar_model_type), intent(out) :: model
-      !> invalid_argument, too_few_samples, constant_input, singular, non_finite, no_memory, cancelled
+      !> invalid_argument, too_few_samples, constant_input, singular, non_finite, no_memory,
+      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -57,7 +62,8 @@ contains
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
-      real(dp) :: constant
+      type(trend_type) :: level
+      real(dp) :: constant, n
       integer :: most, lags
 
       call check_options(options, most, error)
@@ -72,124 +78,107 @@ contains
             model%mean = shared%mean
          end if
       end if
-      if (.not. allocated(r)) call compute_autocovariance(x, lags, model%mean, r, error, valid, pairs, progress)
+      if (.not. allocated(r)) call compute_autocovariance(x, lags, model%mean, r, error, valid, &
+         & pairs, progress)
       if (allocated(error)) return
       model%samples = pairs(0)
       model%variance = r(0)
       constant = 0.0_dp
+      if (options%method /= "ols") call check_length(model%samples, most, "samples", error)
+      if (allocated(error)) return
+      if (options%method /= "yw") call find_level(x, level, model%samples, error, valid)
+      if (allocated(error)) return
       select case (options%method)
-      case ("yw"); call model_of(r, size(x, kind=int64), pairs, most, options, model, error)
-      case ("burg"); call fit_burg(x, most, options, model, error, valid, progress)
-      case default; call fit_least_squares(x, most, options, model, constant, error, valid, progress)
+      case ("yw")
+         call model_of(r, size(x, kind=int64), pairs, options, model, error)
+      case ("burg")
+         call fit_burg(x, level, most, options, model, error, valid, progress)
+      case default
+         call fit_least_squares(x, level, most, options, model, constant, error, valid, progress)
       end select
       if (allocated(error)) return
-      call describe(model, error)
-      if (.not. allocated(error)) call test_residuals(x, constant, model, error, valid, progress)
+      n = real(model%rows, dp)
+      model%unbiased_variance = model%noise_variance*(n/(n - real(model%order + 1, dp)))
+      if (model%method /= "ols") model%intercept = model%mean*(1.0_dp - sum(model%coefficient))
+      call find_ar_roots(model%coefficient, model%root, error)
+      if (allocated(error)) return
+      model%stationary = largest_modulus(model%root) < 1.0_dp
+      call test_residuals(x, constant, model, error, valid, progress)
    end subroutine fit_ar
 
    !> The model from autocovariances.
-   subroutine model_of(r, n, pairs, most, options, model, error)
-      !> Autocovariances: [0:most]
+   subroutine model_of(r, n, pairs, options, model, error)
+      !> Autocovariances of the lags up to the largest order, and present pairs
       real(dp), intent(in) :: r(0:)
-      !> Length of the series
-      integer(int64), intent(in) :: n
-      !> Present pairs: [0:most]
-      integer(int64), intent(in) :: pairs(0:)
-      !> Largest order
-      integer, intent(in) :: most
-      !> How
+      integer(int64), intent(in) :: n, pairs(0:)
       type(ar_options), intent(in) :: options
-      !> Its mean is set
       type(ar_model_type), intent(inout) :: model
-      !> too_few_samples, constant_input, singular
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: phi(:, :), variance(:)
+      real(dp) :: length
+      integer :: k
+      character(160) :: text
 
-      model%samples = pairs(0)
-      model%variance = r(0)
-      call check_length(model%samples, most, "samples", error)
-      if (.not. allocated(error)) call check_pairs(pairs, error)
-      if (allocated(error)) return
+      k = findloc(pairs, 0_int64, 1) - 1
+      if (k >= 0) then                               ! nothing is known of that autocovariance
+         write (text, "(2(a, i0), a)") "the gaps leave no two samples ", k, " apart for AR(", &
+            & ubound(pairs, 1), "): try a lower order, or another method"
+         call fatal_error(error, status%too_few_samples, trim(text))
+         return
+      end if
       call solve_levinson(r, phi, variance, error)
       if (allocated(error)) return
-      call choose_order(variance, model%samples, options, model)
-      model%coefficient = r(1:0)
-      if (model%order > 0) model%coefficient = phi(:model%order, model%order)
-      model%noise_variance = variance(model%order)
-      model%rows = model%samples
+      call take_order(variance, phi, options, model)
       model%residual_variance = model%noise_variance
-      call standard_errors(r, model%noise_variance/effective_length(n, pairs(:model%order)), model, error)
+      length = real(n, dp)        ! of a series without gaps that would determine them as well
+      do k = 0, model%order
+         length = min(length, real(n, dp)*real(pairs(k), dp)/real(n - k, dp))
+      end do
+      call standard_errors(r, model%noise_variance/length, model, error)
    end subroutine model_of
 
    !> The model by Burg's recursion.
-   subroutine fit_burg(x, most, options, model, error, valid, progress)
-      !> Series
+   subroutine fit_burg(x, level, most, options, model, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
-      !> Largest order
+      type(trend_type), intent(in) :: level
       integer, intent(in) :: most
-      !> How
       type(ar_options), intent(in) :: options
-      !> Its mean is set
       type(ar_model_type), intent(inout) :: model
-      !> too_few_samples, constant_input, singular, no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(burg_type) :: burg
-      type(trend_type) :: level
-      real(dp) :: shift, rest
-      integer(int64) :: n
+      real(dp) :: n, share
 
-      n = size(x, kind=int64)
-      call check_length(model%samples, most, "samples", error)
-      if (allocated(error)) return
-      call series_mean(x, shift, rest, model%samples, error, valid)
-      if (allocated(error)) return
-      call set_level(level, shift, rest)
       call compute_burg(x, level, most, burg, error, valid, progress)
       if (allocated(error)) return
-      call choose_order(burg%variance, model%samples, options, model)
-      allocate (model%coefficient(model%order))
-      if (model%order > 0) model%coefficient = burg%phi(:model%order, model%order)
-      model%noise_variance = burg%variance(model%order)
+      call take_order(burg%variance, burg%phi, options, model)
       model%residual_variance = burg%residual_variance(model%order)
-      model%rows = model%samples
-      call standard_errors(burg%r, model%noise_variance/(real(n, dp)*(real(burg%rows(model%order), dp)/ &
-                                                                       real(n - model%order, dp))), model, error)
+      n = real(size(x, kind=int64), dp)
+      share = real(burg%rows(model%order), dp)/(n - real(model%order, dp))
+      call standard_errors(burg%r, model%noise_variance/(n*share), model, error)
    end subroutine fit_burg
 
    !> The model by least squares.
-   subroutine fit_least_squares(x, most, options, model, constant, error, valid, progress)
-      !> Series
+   subroutine fit_least_squares(x, level, most, options, model, constant, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
-      !> Largest order
+      type(trend_type), intent(in) :: level
       integer, intent(in) :: most
-      !> How
       type(ar_options), intent(in) :: options
-      !> Its mean is set
       type(ar_model_type), intent(inout) :: model
-      !> Constant of the regression of the series about its mean
+      !> Of the regression of the series about its mean
       real(dp), intent(out) :: constant
-      !> too_few_samples, constant_input, singular, no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(gram_type) :: gram
-      type(trend_type) :: level
       type(fitted_order_type) :: fit
       real(dp), allocatable :: variance(:)
-      real(dp) :: shift, rest
 
       constant = 0.0_dp
-      call series_mean(x, shift, rest, model%samples, error, valid)
-      if (allocated(error)) return
-      call set_level(level, shift, rest)
       call build_gram(x, level, 1, 0, most, gram, error, valid, progress=progress)
-      if (.not. allocated(error)) call check_length(gram%rows, most, "complete rows (order + 1 samples without a gap)", error)
+      if (.not. allocated(error)) call check_length(gram%rows, most, &
+         & "complete rows (order + 1 samples without a gap)", error)
       if (.not. allocated(error)) call compare_orders(gram, variance, error)
       if (allocated(error)) return
       call choose_order(variance, gram%rows, options, model)
@@ -201,27 +190,35 @@ contains
       model%residual_variance = fit%variance
       model%std_error = sqrt(fit%variance)*fit%spread
       constant = fit%constant
-      model%intercept = fit%constant + (shift + rest)*(1.0_dp - sum(fit%phi))
+      model%intercept = constant + (level%legendre(0) + level%remainder)*(1.0_dp - sum(fit%phi))
       model%intercept_std_error = sqrt(fit%variance)*fit%intercept_spread
    end subroutine fit_least_squares
 
+   !> The order that is taken from the models of all orders.
+   subroutine take_order(variance, phi, options, model)
+      !> Of the orders 0, 1, ...; their coefficients in the columns 1, 2, ...
+      real(dp), intent(in) :: variance(0:), phi(:, :)
+      type(ar_options), intent(in) :: options
+      type(ar_model_type), intent(inout) :: model
+
+      call choose_order(variance, model%samples, options, model)
+      allocate (model%coefficient(model%order))
+      if (model%order > 0) model%coefficient = phi(:model%order, model%order)
+      model%noise_variance = variance(model%order)
+      model%rows = model%samples
+   end subroutine take_order
+
    !> The table of the orders, and the one that is taken.
    subroutine choose_order(variance, n, options, model)
-      !> Noise variances of the orders 0, 1, ...
       real(dp), intent(in) :: variance(0:)
       !> Samples that the criteria count
       integer(int64), intent(in) :: n
-      !> How
       type(ar_options), intent(in) :: options
-      !> Gets them
       type(ar_model_type), intent(inout) :: model
       integer :: k, most
 
       most = ubound(variance, 1)
-      allocate (model%table(most + 1))
-      do k = 0, most
-         model%table(k + 1) = order_criteria(k, variance(k), n)
-      end do
+      model%table = [(order_criteria(k, variance(k), n), k=0, most)]
       model%compared_rows = n
       model%method = options%method
       model%criterion = options%criterion
@@ -231,113 +228,39 @@ contains
       model%largest_order_chosen = most > 0 .and. model%order == most
    end subroutine choose_order
 
-   !> What follows from coefficients and variance: intercept, unbiased variance, roots, whether the model is stationary.
-   subroutine describe(model, error)
-      !> The model
-      type(ar_model_type), intent(inout) :: model
-      !> As of [[find_ar_roots]]
-      type(error_type), allocatable, intent(out) :: error
-      real(dp) :: n
-
-      n = real(model%rows, dp)
-      model%unbiased_variance = model%noise_variance*(n/(n - real(model%order + 1, dp)))
-      if (model%method /= "ols") model%intercept = model%mean*(1.0_dp - sum(model%coefficient))
-      call find_ar_roots(model%coefficient, model%root, error)
-      if (.not. allocated(error)) model%stationary = largest_modulus(model%root) < 1.0_dp
-   end subroutine describe
-
-   !> Refuses gaps that leave a lag without any pair of samples: nothing is known of its autocovariance.
-   subroutine check_pairs(pairs, error)
-      !> Present pairs at the lags 0 .. p: [0:p]
-      integer(int64), intent(in) :: pairs(0:)
-      !> too_few_samples
-      type(error_type), allocatable, intent(out) :: error
-      character(160) :: text
-      integer :: lag
-
-      lag = findloc(pairs, 0_int64, 1) - 1
-      if (lag < 0) return
-      write (text, '("the gaps leave no two samples ", i0, " apart for AR(", i0, "): try a lower order, or another method")') lag, &
-         & ubound(pairs, 1)
-      call fatal_error(error, status%too_few_samples, trim(text))
-   end subroutine check_pairs
-
-   !> Length of a series without gaps that would determine the autocovariances as well.
-   pure real(dp) function effective_length(n, pairs) result(length)
-      !> Length of the series
-      integer(int64), intent(in) :: n
-      !> Present pairs at the lags 0 .. p, of n - k: [0:p]
-      integer(int64), intent(in) :: pairs(0:)
-      integer :: k
-
-      length = real(n, dp)
-      do k = 0, ubound(pairs, 1)
-         length = min(length, real(n, dp)*real(pairs(k), dp)/real(n - k, dp))
-      end do
-   end function effective_length
-
    !> Square roots of the diagonal of factor R^-1.
    subroutine standard_errors(r, factor, model, error)
-      !> Autocovariances: [0:]
-      real(dp), intent(in) :: r(0:)
-      !> Innovation variance over n
-      real(dp), intent(in) :: factor
-      !> Its order is known, its standard errors are filled
+      real(dp), intent(in) :: r(0:), factor
       type(ar_model_type), intent(inout) :: model
-      !> singular, no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: a(:, :)
       integer :: i, j, p, info
 
       p = model%order
-      info = 0
       allocate (model%std_error(p))
       allocate (a(p, p), stat=info)
-      if (info /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the standard errors")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%no_memory, "no memory for the standard errors")
+      if (allocated(error)) return
       do j = 1, p
-         do i = 1, j
-            a(i, j) = r(j - i)/r(0)
-         end do
+         a(:j, j) = r(j - 1:0:-1)/r(0)
       end do
       if (p > 0) call dpotrf("U", p, a, p, info)
       if (p > 0 .and. info == 0) call dpotri("U", p, a, p, info)
-      if (info /= 0) then
-         call fatal_error(error, status%singular, "the autocovariance matrix is singular, there are no standard errors")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%singular, &
+         & "the autocovariance matrix is singular, there are no standard errors")
+      if (allocated(error)) return
       do i = 1, p
          model%std_error(i) = sqrt(factor/r(0)*a(i, i))
       end do
    end subroutine standard_errors
 
-   !> Lags of the residuals' test; no test where they are not more than the order.
-   pure integer function residual_lags(n, order) result(lags)
-      !> Length of the series
-      integer(int64), intent(in) :: n
-      !> Order of the model
-      integer, intent(in) :: order
-
-      lags = 20
-      if (order >= 20) lags = order + 20
-      lags = int(min(int(lags, int64), n - order - 1))
-   end function residual_lags
-
-   !> Whiteness and normality of the residuals; left out where there are too few of them or they are constant.
+   !> Whiteness and normality of the residuals, unless these are too few or constant.
    subroutine test_residuals(x, constant, model, error, valid, progress)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Constant of the regression of the series about its mean
       real(dp), intent(in) :: constant
-      !> The model; its tests are filled
       type(ar_model_type), intent(inout) :: model
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
@@ -347,22 +270,46 @@ contains
       type(error_type), allocatable :: untested
 
       n = size(x, kind=int64) - model%order
-      lags = residual_lags(size(x, kind=int64), model%order)
+      lags = int(min(int(merge(model%order + 20, 20, model%order >= 20), int64), n - 1))
       if (lags < 0) return
-      call analyse_residuals(x, model%mean, model%coefficient, constant, lags, r, pairs, moments, untested, valid, progress)
+      call analyse_residuals(x, model%mean, model%coefficient, constant, lags, r, pairs, moments, &
+         & untested, valid, progress)
       if (allocated(untested)) then
          if (untested%code == status%cancelled) call move_alloc(untested, error)
          return
       end if
       call test_jarque_bera(moments, model%residual_normality, untested)
       if (lags <= model%order) return
-      if (present(valid)) then
-         call ljung_box_of(r, n, model%order, model%residual_ljung_box, untested, pairs)
-         if (.not. allocated(untested)) call correlation_of(r, n, model%order, model%residual_correlation, untested, pairs)
-      else
-         call ljung_box_of(r, n, model%order, model%residual_ljung_box, untested)
-         if (.not. allocated(untested)) call correlation_of(r, n, model%order, model%residual_correlation, untested)
-      end if
+      call ljung_box_of(r, n, model%order, model%residual_ljung_box, untested, pairs)
+      if (.not. allocated(untested)) call correlation_of(r, n, model%order, &
+         & model%residual_correlation, untested, pairs)
    end subroutine test_residuals
+
+   !> Two-sided power spectral density of a model at a frequency.
+   !>
+   !> $$S(f) = \frac{s_p^2\,\Delta}{\bigl|1 - \sum_j \phi_j e^{-2\pi i f j \Delta}\bigr|^2}, \quad
+   !> \int_{-1/(2\Delta)}^{1/(2\Delta)} S(f)\,df = \mathrm{Var}(x)$$ so that white noise of density
+   !> N^2 has S = N^2; a one-sided density is twice this. Of a model that is not stationary the
+   !> formula has no such meaning. Source: Marple, Digital Spectral Analysis (1987), 6.3.
+   elemental real(dp) function ar_spectrum(model, frequency, interval) result(density)
+      !> Fitted; u its unit
+      type(ar_model_type), intent(in) :: model
+      !> f in 1/s, any: the density has the period 1/interval and is even
+      real(dp), intent(in) :: frequency
+      !> Sample interval in s, > 0; 1 for a frequency in cycles a sample
+      real(dp), intent(in) :: interval
+      complex(dp) :: z, filter
+      integer :: j
+
+      filter = (0.0_dp, 0.0_dp)
+      z = exp(cmplx(0.0_dp, -two_pi*modulo(frequency*interval, 1.0_dp), dp))
+      do j = model%order, 1, -1
+         filter = (filter + model%coefficient(j))*z
+      end do
+      filter = 1.0_dp - filter
+      density = huge(density)
+      if (abs(filter) <= sqrt(tiny(density))) return
+      density = model%noise_variance*interval/(real(filter, dp)**2 + aimag(filter)**2)
+   end function ar_spectrum
 
 end module gyroakf_ar_model

@@ -1,16 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Fisher's test for a hidden periodicity in a correlated series.
 !>
-!> In correlated data Fisher's test detects the correlation, and drift leaks into the whole periodogram;
-!> therefore the residuals of an AR model are tested. A sinusoid that holds nearly all of the variance is
-!> the exception: the AR model would predict it and so remove it.
+!> In correlated data Fisher's test detects the correlation, and drift leaks into the whole
+!> periodogram; therefore the residuals of an AR model are tested. A sinusoid that holds nearly all
+!> of the variance is the exception: the AR model would predict it and so remove it.
 module gyroakf_ar_periodicity
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
-   use gyroakf_stats_residual_block, only : residual_block
+   use gyroakf_stats_lagged_products, only : residual_block
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
@@ -20,8 +20,7 @@ module gyroakf_ar_periodicity
    integer(int64), parameter :: min_samples = 32_int64
    !> From this length on the transform is made of a length with small prime factors only
    integer(int64), parameter :: trimmed_from = 65536_int64
-   !> A sinusoid dominates where two adjacent ordinates hold this share of the power, with at least
-   !> so many periods
+   !> A sinusoid dominates where two adjacent ordinates hold this share; its least periods
    real(dp), parameter :: dominant_share = 0.75_dp
    integer(int64), parameter :: min_periods = 5_int64
    !> Samples between two reports of progress
@@ -51,11 +50,10 @@ contains
 
    !> Fisher's test of the residuals of an AR model of the series.
    !>
-   !> The series itself is tested where no AR model can be fitted to it, and where two adjacent ordinates
-   !> of its periodogram hold three quarters of the power: a sinusoid of at least five periods that an
-   !> AR model would predict.
-   !> A series of 65536 values or more loses its last ones (and an odd one its last) down to a length with the prime factors
-   !> 2, 3, 5, 7, 11, 13 only, some parts in a thousand at most.
+   !> The series itself is tested where no AR model can be fitted to it, and where two adjacent
+   !> ordinates of its periodogram hold three quarters of the power: a sinusoid of at least five
+   !> periods that an AR model would predict. A series of 65536 values or more loses its last ones
+   !> (and an odd one its last) down to a length with the prime factors 2, 3, 5, 7, 11, 13 only.
    subroutine analyse_periodicity(x, options, result, error, valid, model, progress)
       !> Series: [n], n >= 32 more than the order; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -98,8 +96,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: first, last
 
-      call cut_middle(size(x, kind=int64), 0, longest, result)
-      call check_length(result%samples, error)
+      call cut_middle(size(x, kind=int64), 0, longest, result, error)
       if (allocated(error)) return
       first = result%first
       last = first + result%samples - 1
@@ -123,38 +120,27 @@ contains
       integer(int8), allocatable :: here(:)
       integer(int64) :: first, last
 
-      call cut_middle(size(x, kind=int64), model%order, longest, result)
-      call check_length(result%samples, error)
+      call cut_middle(size(x, kind=int64), model%order, longest, result, error)
       if (allocated(error)) return
       first = result%first - result%order
       last = result%first + result%samples - 1
       if (present(valid)) then
          call whiten_series(x(first:last), model%mean, model%coefficient, white, here, error, &
-                            valid(first:last), progress)
+            & valid(first:last), progress)
       else
          call whiten_series(x(first:last), model%mean, model%coefficient, white, here, error, &
-                            progress=progress)
+            & progress=progress)
       end if
       if (.not. allocated(error)) call test_fisher_g(white, result%fisher, error, here, progress)
    end subroutine test_residuals
 
-   !> Refuses a series that is too short.
-   subroutine check_length(n, error)
-      integer(int64), intent(in) :: n
+   !> First sample and number of the samples in the middle that are tested.
+   subroutine cut_middle(n, order, longest, result, error)
+      integer(int64), intent(in) :: n, longest
+      integer, intent(in) :: order
+      type(periodicity_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error
       character(100) :: text
-
-      if (n >= min_samples) return
-      write (text, "(2(a, i0))") "Fisher's test needs at least ", min_samples, " samples, there are ", n
-      call fatal_error(error, status%too_few_samples, trim(text))
-   end subroutine check_length
-
-   !> First sample and number of the samples in the middle that are tested.
-   pure subroutine cut_middle(n, order, longest, result)
-      integer(int64), intent(in) :: n
-      integer, intent(in) :: order
-      integer(int64), intent(in) :: longest
-      type(periodicity_type), intent(inout) :: result
 
       result%order = order
       result%total = n
@@ -162,13 +148,17 @@ contains
       if (longest > 0) result%samples = min(result%samples, longest)
       if (result%samples >= trimmed_from) result%samples = even_length(result%samples)
       result%first = (n - order - result%samples)/2 + int(order, int64) + 1
+      if (result%samples >= min_samples) return
+      write (text, "(2(a, i0))") "Fisher's test needs at least ", min_samples, &
+         & " samples, there are ", result%samples
+      call fatal_error(error, status%too_few_samples, trim(text))
    end subroutine cut_middle
 
-   !> The largest even number that is not above n and has no other prime factors than 2, 3, 5, 7, 11, 13.
+   !> The largest even number up to n with no prime factors but 2, 3, 5, 7, 11, 13.
    pure integer(int64) function even_length(n) result(length)
       !> >= 2
       integer(int64), intent(in) :: n
-      integer(int64), parameter :: prime(6) = [2_int64, 3_int64, 5_int64, 7_int64, 11_int64, 13_int64]
+      integer(int64), parameter :: prime(6) = int([2, 3, 5, 7, 11, 13], int64)
       integer(int64) :: rest
       integer :: i
 
@@ -185,14 +175,13 @@ contains
       end do
    end function even_length
 
-   !> Residuals of an AR model, $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m), \quad t = p + 1 \ldots n;$$ one is missing where
-   !> any of its p + 1 samples is.
+   !> Residuals of an AR model, $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m), \quad t = p + 1
+   !> \ldots n;$$ one is missing where any of its p + 1 samples is.
    subroutine whiten_series(x, mean, phi, white, here, error, valid, progress)
       !> Series: [n], n > p; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Its mean m and its AR coefficients: [p]
-      real(dp), intent(in) :: mean
-      real(dp), intent(in) :: phi(:)
+      real(dp), intent(in) :: mean, phi(:)
       !> Residuals: [n - p]; 0 where missing
       real(dp), allocatable, intent(out) :: white(:)
       !> 1 present, 0 missing: [n - p]; allocated only with `valid`
@@ -210,28 +199,22 @@ contains
 
       p = size(phi)
       count_white = size(x, kind=int64) - p
-      if (count_white < 1) then
-         call fatal_error(error, status%too_few_samples, "the series is not longer than the order of its AR model")
-         return
-      end if
+      if (count_white < 1) call fatal_error(error, status%too_few_samples, &
+         & "the series is not longer than the order of its AR model")
+      if (allocated(error)) return
       allocate (white(count_white), stat=stat)
       if (stat == 0) allocate (flag(reported), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (here(count_white), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the whitened series")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the residuals")
+      if (allocated(error)) return
       call set_level(level, mean, 0.0_dp)
       do first = 1, count_white, reported
          call report_progress("whitening", first - 1, count_white, error, progress)
-         if (allocated(error)) return
          last = min(first + reported - 1, count_white)
-         call residual_block(x, level, phi, 0.0_dp, first + p, white(first:last), &
-            & flag(:last - first + 1), stat, valid)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for the whitened series")
-            return
-         end if
+         if (.not. allocated(error)) call residual_block(x, level, phi, 0.0_dp, first + p, &
+            & white(first:last), flag(:last - first + 1), stat, valid)
+         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the residuals")
+         if (allocated(error)) return
          if (present(valid)) here(first:last) = nint(flag(:last - first + 1), int8)
       end do
    end subroutine whiten_series

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Residuals of an AR model in one pass, without being stored: their autocovariances and their moments.
+!> Residuals of an AR model in one pass, not stored: their autocovariances and moments.
 module gyroakf_ar_residuals
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -7,15 +7,13 @@ module gyroakf_ar_residuals
    use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_moments, only : moments_type, compute_moments, join_moments
-   use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_residual_block, only : residual_block
+   use gyroakf_stats_lagged_products, only : add_lagged_products, residual_block
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
    public :: analyse_residuals
 
-   !> Sums over the pairs of residuals: products, how many, sums of the later and of the earlier
-   !> member: [4 (max_lag + 1)]
+   !> Sums over pairs: products, number, later members, earlier members: [4 (max_lag + 1)]
    type, extends(chunk_sums_type) :: pair_sums_type
       !> Mean of the series
       type(trend_type) :: level
@@ -31,9 +29,10 @@ contains
 
    !> Autocovariances and moments of the residuals.
    !>
-   !> $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m)$$ for the t whose p predecessors exist and are present. r_k is biased, of
-   !> n - p residuals about their mean. The sums are taken about `constant` and moved to the mean.
-   subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid, progress)
+   !> $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m)$$ for the t whose p predecessors exist and are
+   !> present. r_k is biased, of n - p residuals about their mean; the sums are about `constant`.
+   subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid, &
+      & progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Mean m that the model was fitted with
@@ -64,7 +63,8 @@ contains
          call fatal_error(error, status%invalid_argument, "the largest lag must not be negative")
          return
       else if (size(x, kind=int64) <= int(max_lag, int64) + size(phi)) then
-         call fatal_error(error, status%too_few_samples, "the series has too few residuals for so many lags")
+         call fatal_error(error, status%too_few_samples, &
+            & "the series has too few residuals for so many lags")
          return
       end if
       allocate (r(0:max_lag), stat=stat)
@@ -72,10 +72,9 @@ contains
       if (stat == 0) allocate (s(0:max_lag, 4), stat=stat)
       if (stat == 0) allocate (total(4*(max_lag + 1)), stat=stat)
       if (stat == 0) allocate (sums%part(chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of the residuals")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums of the residuals")
+      if (allocated(error)) return
       call set_level(sums%level, mean, 0.0_dp)
       sums%phi = phi
       sums%constant = constant
@@ -94,7 +93,8 @@ contains
          r(k) = s(k, 1) - moments%mean*(s(k, 3) + s(k, 4)) + s(k, 2)*moments%mean**2
          r(k) = r(k)*((used - real(k, dp))/s(k, 2))/used
       end do
-      if (moments%count < 1) call fatal_error(error, status%too_few_samples, "the gaps leave no residual of the AR model")
+      if (moments%count < 1) call fatal_error(error, status%too_few_samples, &
+         & "the gaps leave no residual of the AR model")
    end subroutine analyse_residuals
 
    !> The sums over the residuals of a chunk.
@@ -106,6 +106,7 @@ contains
       real(dp), intent(inout), contiguous :: total(:)
       integer, intent(out) :: stat
       integer(int8), intent(in), optional :: valid(:)
+      type(moments_type) :: moments
       real(dp), allocatable :: e(:), flag(:)
       integer(int64) :: begin
       integer :: m, lags
@@ -119,29 +120,30 @@ contains
             & e(:m), flag(:m), stat, valid)
          if (stat /= 0) return
          call add_block(e(:m), flag(:m), m, lags, total)
-         call add_moments(e(1:m), flag(1:m), self%part(chunk))
+         if (minval(flag(1:m)) > 0.5_dp) then
+            call compute_moments(e(1:m), moments)
+         else
+            call compute_moments(e(1:m), moments, nint(flag(1:m), int8))
+         end if
+         call join_moments(self%part(chunk), moments)
       end do
    end subroutine add_pairs
 
    !> Adds the sums over the pairs of a block.
    pure subroutine add_block(e, flag, m, max_lag, s)
-      !> Samples, lags
       integer, intent(in) :: m, max_lag
-      !> Residuals and marks with their past
       real(dp), intent(in), contiguous :: e(1 - max_lag:), flag(1 - max_lag:)
-      !> The sums
       real(dp), intent(inout) :: s(0:max_lag, 4)
-      real(dp) :: later, earlier
+      real(dp) :: earlier
       integer :: k
 
       call add_lagged_products(e(1:), e, m, max_lag, s(:, 1))
       if (sum(flag) > real(m + max_lag, dp) - 0.5_dp) then
-         later = sum(e(1:m))
-         earlier = later
+         earlier = sum(e(1:m))
+         s(:, 2) = s(:, 2) + real(m, dp)
+         s(:, 3) = s(:, 3) + earlier
          do k = 0, max_lag
             if (k > 0) earlier = earlier + (e(1 - k) - e(m - k + 1))
-            s(k, 2) = s(k, 2) + real(m, dp)
-            s(k, 3) = s(k, 3) + later
             s(k, 4) = s(k, 4) + earlier
          end do
       else
@@ -150,21 +152,5 @@ contains
          call add_lagged_products(flag(1:), e, m, max_lag, s(:, 4))
       end if
    end subroutine add_block
-
-   !> Adds the moments of a block.
-   subroutine add_moments(e, flag, moments)
-      !> Residuals and marks: [m]
-      real(dp), intent(in), contiguous :: e(:), flag(:)
-      !> Gets theirs
-      type(moments_type), intent(inout) :: moments
-      type(moments_type) :: next
-
-      if (minval(flag) > 0.5_dp) then
-         call compute_moments(e, next)
-      else
-         call compute_moments(e, next, nint(flag, int8))
-      end if
-      call join_moments(moments, next)
-   end subroutine add_moments
 
 end module gyroakf_ar_residuals

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Roots of the characteristic polynomial of an AR model: is it stationary, where does it ring, how fast does it forget.
+!> Roots of the characteristic polynomial of an AR model: stationarity, resonance, memory.
 module gyroakf_ar_roots
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
@@ -9,7 +9,8 @@ module gyroakf_ar_roots
    private
    public :: ar_root_type, find_ar_roots, largest_modulus
 
-   !> One root z of $$z^p - \phi_1 z^{p-1} - \dots - \phi_p = 0;$$ of a stationary model all lie within the unit circle
+   !> One root z of $$z^p - \phi_1 z^{p-1} - \dots - \phi_p = 0;$$ of a stationary model all lie
+   !> within the unit circle
    type :: ar_root_type
       !> z
       real(dp) :: real_part = 0.0_dp, imaginary_part = 0.0_dp
@@ -17,10 +18,10 @@ module gyroakf_ar_roots
       real(dp) :: modulus = 0.0_dp
       !> |arg z|/(2 pi), cycles a sample, 0 .. 0.5; a real negative root alternates, 0.5
       real(dp) :: frequency = 0.0_dp
-      !> -1/ln |z|, samples: the envelope falls to 1/e within it; negative outside the unit circle, where it grows,
-      !> infinite on the circle: `huge`
+      !> -1/ln |z|, samples: the envelope falls to 1/e within it; negative outside the unit circle,
+      !> where it grows, infinite on the circle: `huge`
       real(dp) :: time_constant = 0.0_dp
-      !> -ln |z|/|ln z|: 1 for a positive real root, near 0 for a line; negative outside the unit circle
+      !> -ln |z|/|ln z|: 1 for a positive real root, near 0 for a line; negative where it grows
       real(dp) :: damping = 1.0_dp
    end type ar_root_type
 
@@ -30,12 +31,13 @@ contains
 
    !> Finds the roots as the eigenvalues of the balanced companion matrix.
    !>
-   !> Each is exact for coefficients that differ from `phi` by rounding errors of its largest; a root that p others nearly
-   !> share is uncertain by the p-th root of that. Source: Golub & Van Loan, Matrix Computations (2013), 7.4.6.
+   !> Each is exact for coefficients that differ from `phi` by rounding errors of its largest; one
+   !> that p others nearly share is uncertain by the p-th root. Source: Golub & Van Loan, Matrix
+   !> Computations (2013), 7.4.6.
    subroutine find_ar_roots(phi, root, error)
       !> Coefficients: [p], p >= 0, finite
       real(dp), intent(in) :: phi(:)
-      !> The roots, the largest modulus first, of a pair the one with positive imaginary part first: [p]
+      !> The roots, largest modulus first, in a pair the positive imaginary part first: [p]
       type(ar_root_type), allocatable, intent(out) :: root(:)
       !> non_finite, no_memory, singular (the iteration for the eigenvalues failed)
       type(error_type), allocatable, intent(out) :: error
@@ -44,16 +46,14 @@ contains
       integer :: i, p, low, high, info, stat
 
       p = size(phi)
-      if (.not. all(ieee_is_finite(phi))) then
-         call fatal_error(error, status%non_finite, "an AR coefficient is not finite")
-         return
-      end if
+      if (.not. all(ieee_is_finite(phi))) call fatal_error(error, status%non_finite, &
+         & "an AR coefficient is not finite")
+      if (allocated(error)) return
       allocate (h(p, p), stat=stat)
       if (stat == 0) allocate (root(p), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the roots of the AR model")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the roots of the AR model")
+      if (allocated(error)) return
       if (p == 0) return
       allocate (scale(p), re(p), im(p), work(11*p))
       h = 0.0_dp
@@ -63,17 +63,15 @@ contains
       end do
       call dgebal("S", p, h, p, low, high, scale, info)
       call dhseqr("E", "N", p, 1, p, h, p, re, im, unused, 1, work, size(work), info)
-      if (info /= 0) then
-         call fatal_error(error, status%singular, "the roots of the AR model were not found")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%singular, &
+         & "the roots of the AR model were not found")
+      if (allocated(error)) return
       call sort(re, im)
       root = root_of(re, im)
    end subroutine find_ar_roots
 
    !> Descending modulus; of equal ones (a pair) the positive imaginary part first.
    pure subroutine sort(re, im)
-      !> The roots
       real(dp), intent(inout) :: re(:), im(:)
       real(dp) :: a, b
       integer :: i, j
@@ -94,7 +92,6 @@ contains
 
    !> A root and what it means.
    elemental type(ar_root_type) function root_of(re, im) result(root)
-      !> z
       real(dp), intent(in) :: re, im
       real(dp) :: growth, angle
 
@@ -110,7 +107,7 @@ contains
       if (hypot(growth, angle) > 0.0_dp) root%damping = -growth/hypot(growth, angle)
    end function root_of
 
-   !> The largest modulus, 0 where there is no root: the model is stationary where it is less than 1.
+   !> The largest modulus, 0 without a root: the model is stationary where it is below 1.
    pure real(dp) function largest_modulus(root)
       !> Of [[find_ar_roots]]
       type(ar_root_type), intent(in) :: root(:)

@@ -3,15 +3,16 @@
 module gyroakf_c_api_c_allan
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double, c_size_t, &
       & c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : fatal_error, status
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
-   use gyroakf_c_api_c_host, only : progress_c, callback_type
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
-      & check_struct_size, check_place, check_finite, copy_c_text, take_text, open_series
+   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
+      & check_place, check_finite, copy_c_text, open_options, open_series, take_text
    implicit none (type, external)
    private
    public :: gyroakf_allan_options_init, gyroakf_allan_new, gyroakf_allan_size, gyroakf_allan_tau, &
-      & gyroakf_allan_deviation, gyroakf_allan_lower, gyroakf_allan_upper, gyroakf_allan_edf, gyroakf_allan_free
+      & gyroakf_allan_deviation, gyroakf_allan_lower, gyroakf_allan_upper, gyroakf_allan_edf, &
+      & gyroakf_allan_free
 
    !> `gyroakf_allan_options`
    type, bind(C) :: allan_options_c
@@ -33,7 +34,8 @@ contains
    end subroutine gyroakf_allan_options_init
 
    !> `gyroakf_allan_new`
-   integer(c_int) function gyroakf_allan_new(rate, n, dt, opt, out, err) bind(C, name="gyroakf_allan_new")
+   integer(c_int) function gyroakf_allan_new(rate, n, dt, opt, out, err) &
+      & bind(C, name="gyroakf_allan_new")
       type(c_ptr), intent(in), value :: rate
       integer(c_int64_t), intent(in), value :: n
       real(c_double), intent(in), value :: dt
@@ -43,36 +45,34 @@ contains
       type(call_type) :: c
       type(allan_options) :: options
       type(allan_curve_type), pointer :: curve
-      type(error_type), allocatable :: error
       integer :: stat
 
       call enter_library(c)
       nullify (curve)
-      call check_place(present(out), "result (out)", error)
-      stat = 0
-      if (.not. allocated(error)) allocate (curve, stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a deviation curve")
-      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
-      call open_series(rate, n, c, error)
-      if (.not. allocated(error)) call compute_allan(c%x, dt, options, curve, error, c%valid, c%callback)
-      if (.not. allocated(error)) call check_curve(curve, error)
-      if (allocated(error) .and. associated(curve)) deallocate (curve)
+      call check_place(present(out), "result (out)", c%error)
+      allocate (curve, stat=stat)
+      if (stat /= 0) call fatal_error(c%error, status%no_memory, "no memory for a deviation curve")
+      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (present(opt) .and. ok(c)) then
+         call take_text(opt%kind, options%kind, c%error)
+         call copy_c_text(opt%taus, "octave", options%taus)
+         options%confidence = opt%confidence
+         options%min_coverage = opt%min_coverage
+      end if
+      call open_series(rate, n, c)
+      if (ok(c)) call compute_allan(c%x, dt, options, curve, c%error, c%valid, c%callback)
+      if (ok(c)) then
+         call check_finite(curve%tau, c%error)
+         call check_finite(curve%deviation, c%error)
+         call check_finite(curve%lower, c%error)
+         call check_finite(curve%upper, c%error)
+         call check_finite(curve%edf, c%error)
+      end if
+      if (allocated(c%error) .and. associated(curve)) deallocate (curve)
       if (present(out)) out = c_null_ptr
       if (associated(curve)) out = c_loc(curve)
-      gyroakf_allan_new = leave_library(c, error, err)
+      gyroakf_allan_new = leave_library(c, err)
    end function gyroakf_allan_new
-
-   !> A curve holds finite numbers.
-   subroutine check_curve(curve, error)
-      type(allan_curve_type), intent(in) :: curve
-      type(error_type), allocatable, intent(inout) :: error
-
-      call check_finite(curve%tau, error)
-      call check_finite(curve%deviation, error)
-      call check_finite(curve%lower, error)
-      call check_finite(curve%upper, error)
-      call check_finite(curve%edf, error)
-   end subroutine check_curve
 
    !> `gyroakf_allan_size`
    integer(c_int64_t) function gyroakf_allan_size(a) bind(C, name="gyroakf_allan_size")
@@ -88,56 +88,36 @@ contains
    !> `gyroakf_allan_tau`
    type(c_ptr) function gyroakf_allan_tau(a) bind(C, name="gyroakf_allan_tau")
       type(c_ptr), intent(in), value :: a
-      type(allan_curve_type), pointer :: curve
 
-      gyroakf_allan_tau = c_null_ptr
-      if (gyroakf_allan_size(a) == 0) return
-      call c_f_pointer(a, curve)
-      gyroakf_allan_tau = c_loc(curve%tau)
+      gyroakf_allan_tau = column_of(a, "tau")
    end function gyroakf_allan_tau
 
    !> `gyroakf_allan_deviation`
    type(c_ptr) function gyroakf_allan_deviation(a) bind(C, name="gyroakf_allan_deviation")
       type(c_ptr), intent(in), value :: a
-      type(allan_curve_type), pointer :: curve
 
-      gyroakf_allan_deviation = c_null_ptr
-      if (gyroakf_allan_size(a) == 0) return
-      call c_f_pointer(a, curve)
-      gyroakf_allan_deviation = c_loc(curve%deviation)
+      gyroakf_allan_deviation = column_of(a, "deviation")
    end function gyroakf_allan_deviation
 
    !> `gyroakf_allan_lower`
    type(c_ptr) function gyroakf_allan_lower(a) bind(C, name="gyroakf_allan_lower")
       type(c_ptr), intent(in), value :: a
-      type(allan_curve_type), pointer :: curve
 
-      gyroakf_allan_lower = c_null_ptr
-      if (gyroakf_allan_size(a) == 0) return
-      call c_f_pointer(a, curve)
-      gyroakf_allan_lower = c_loc(curve%lower)
+      gyroakf_allan_lower = column_of(a, "lower")
    end function gyroakf_allan_lower
 
    !> `gyroakf_allan_upper`
    type(c_ptr) function gyroakf_allan_upper(a) bind(C, name="gyroakf_allan_upper")
       type(c_ptr), intent(in), value :: a
-      type(allan_curve_type), pointer :: curve
 
-      gyroakf_allan_upper = c_null_ptr
-      if (gyroakf_allan_size(a) == 0) return
-      call c_f_pointer(a, curve)
-      gyroakf_allan_upper = c_loc(curve%upper)
+      gyroakf_allan_upper = column_of(a, "upper")
    end function gyroakf_allan_upper
 
    !> `gyroakf_allan_edf`
    type(c_ptr) function gyroakf_allan_edf(a) bind(C, name="gyroakf_allan_edf")
       type(c_ptr), intent(in), value :: a
-      type(allan_curve_type), pointer :: curve
 
-      gyroakf_allan_edf = c_null_ptr
-      if (gyroakf_allan_size(a) == 0) return
-      call c_f_pointer(a, curve)
-      gyroakf_allan_edf = c_loc(curve%edf)
+      gyroakf_allan_edf = column_of(a, "edf")
    end function gyroakf_allan_edf
 
    !> `gyroakf_allan_free`
@@ -150,21 +130,22 @@ contains
       deallocate (curve)
    end subroutine gyroakf_allan_free
 
-   !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, callback, error, opt)
-      type(allan_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
-      type(allan_options_c), intent(in), optional :: opt
+   !> One of the arrays of a curve; NULL where it is empty.
+   type(c_ptr) function column_of(a, name) result(column)
+      type(c_ptr), intent(in) :: a
+      character(*), intent(in) :: name
+      type(allan_curve_type), pointer :: curve
 
-      if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
-      if (allocated(error)) return
-      call take_text(opt%kind, options%kind, error)
-      call copy_c_text(opt%taus, "octave", options%taus)
-      options%confidence = opt%confidence
-      options%min_coverage = opt%min_coverage
-      callback = callback_type(opt%progress)
-   end subroutine read_options
+      column = c_null_ptr
+      if (gyroakf_allan_size(a) == 0) return
+      call c_f_pointer(a, curve)
+      select case (name)
+      case ("tau"); column = c_loc(curve%tau)
+      case ("deviation"); column = c_loc(curve%deviation)
+      case ("lower"); column = c_loc(curve%lower)
+      case ("upper"); column = c_loc(curve%upper)
+      case default; column = c_loc(curve%edf)
+      end select
+   end function column_of
 
 end module gyroakf_c_api_c_allan

@@ -1,17 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> C: recordings of arrays of the caller. What the function promises is said in c_api/include/gyroakf.h.
+!> C: recordings of arrays of the caller. What the function promises is said in
+!> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_arrays
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, &
       & c_double, c_null_ptr, c_null_funptr, c_associated, c_f_pointer
    use gyroakf_kinds, only : int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : fatal_error, status
    use gyroakf_progress, only : report_progress
    use gyroakf_io_reader, only : finish_record
    use gyroakf_record, only : record_type
    use gyroakf_utf8, only : make_readable
-   use gyroakf_c_api_c_host, only : callback_type
-   use gyroakf_c_api_c_record, only : record_handle, new_handle, hand_over
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+   use gyroakf_c_api_c_recording, only : record_handle, new_handle, hand_over
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & copy_c_text, max_samples
    use gyroakf_c_api_c_places, only : check_aligned
    implicit none (type, external)
@@ -26,7 +26,8 @@ module gyroakf_c_api_c_arrays
 contains
 
    !> `gyroakf_record_new`
-   integer(c_int) function gyroakf_record_new(values, channels, n, dt, names, unit, out, err) bind(C, name="gyroakf_record_new")
+   integer(c_int) function gyroakf_record_new(values, channels, n, dt, names, unit, out, err) &
+      & bind(C, name="gyroakf_record_new")
       type(c_ptr), intent(in), value :: values, names, unit
       integer(c_int32_t), intent(in), value :: channels
       integer(c_int64_t), intent(in), value :: n
@@ -34,12 +35,13 @@ contains
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
 
-      gyroakf_record_new = gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, c_null_funptr, c_null_ptr, err)
+      gyroakf_record_new = gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, &
+         & c_null_funptr, c_null_ptr, err)
    end function gyroakf_record_new
 
    !> `gyroakf_record_new_watched`
-   integer(c_int) function gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, progress, progress_user, err) &
-      & bind(C, name="gyroakf_record_new_watched")
+   integer(c_int) function gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, &
+      & progress, progress_user, err) bind(C, name="gyroakf_record_new_watched")
       type(c_ptr), intent(in), value :: values, names, unit, progress_user
       integer(c_int32_t), intent(in), value :: channels
       integer(c_int64_t), intent(in), value :: n
@@ -49,33 +51,29 @@ contains
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
       type(record_handle), pointer :: handle
-      type(error_type), allocatable :: error
       character(:), allocatable :: unit_text
 
       call enter_library(c, progress, progress_user)
-      call new_handle(handle, c_associated(values), "the channels (values) must not be NULL", &
-         & error, out)
-      if (.not. allocated(error) .and. (channels < 1 .or. channels > most_channels .or. n < 1 .or. n > max_samples)) then
-         call fatal_error(error, status%invalid_argument, "a recording has 1 .. 100000 channels of 1 .. 2**44 samples")
-      end if
-      if (.not. allocated(error)) call copy_values(values, channels, n, handle%record, error, c%callback)
-      if (.not. allocated(error)) call copy_names(names, channels, handle%record)
+      call new_handle(handle, c_associated(values), "the channels (values) must not be NULL", c, &
+         & out)
+      if (ok(c) .and. (channels < 1 .or. channels > most_channels .or. n < 1 &
+         & .or. n > max_samples)) call fatal_error(c%error, status%invalid_argument, &
+         & "a recording has 1 .. 100000 channels of 1 .. 2**44 samples")
+      if (ok(c)) call copy_values(values, channels, n, handle%record, c)
+      if (ok(c)) call copy_names(names, channels, handle%record)
       call copy_c_text(unit, "", unit_text)
-      if (.not. allocated(error)) call finish_record(dt, unit_text, handle%record, error, c%callback)
-      call hand_over(handle, error, out)
-      gyroakf_record_new_watched = leave_library(c, error, err)
+      if (ok(c)) call finish_record(dt, unit_text, handle%record, c%error, c%callback)
+      call hand_over(handle, c, out)
+      gyroakf_record_new_watched = leave_library(c, err)
    end function gyroakf_record_new_watched
 
-   !> The samples of every channel.
-   subroutine copy_values(values, channels, n, record, error, callback)
+   subroutine copy_values(values, channels, n, record, c)
       type(c_ptr), intent(in) :: values
       integer(c_int32_t), intent(in) :: channels
       integer(c_int64_t), intent(in) :: n
       type(record_type), intent(inout) :: record
       !> invalid_argument: an array is NULL or at an odd address; no_memory; cancelled
-      type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
-      type(callback_type), intent(inout) :: callback
+      type(call_type), intent(inout) :: c
       type(c_ptr), pointer :: given(:)
       real(c_double), pointer, contiguous :: x(:)
       integer(int64) :: i, first
@@ -83,22 +81,25 @@ contains
 
       call c_f_pointer(values, given, [channels])
       do j = 1, channels
-         if (.not. c_associated(given(j))) call fatal_error(error, status%invalid_argument, "the array of a channel is NULL")
-         call check_aligned(given(j), error)
-         if (allocated(error)) return
+         if (.not. c_associated(given(j))) then
+            call fatal_error(c%error, status%invalid_argument, "the array of a channel is NULL")
+         end if
+         call check_aligned(given(j), c%error)
+         if (allocated(c%error)) return
       end do
       stat = 0
       if (n > max_samples/channels) stat = 1
       if (stat == 0) allocate (record%value(n, channels), stat=stat)
       if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a copy of the samples")
+         call fatal_error(c%error, status%no_memory, "no memory for a copy of the samples")
          return
       end if
       do j = 1, channels
          call c_f_pointer(given(j), x, [n])
          do first = 1, n, report_samples
-            if (n > report_samples) call report_progress("copying the samples", (j - 1)*n + first - 1, channels*n, error, callback)
-            if (allocated(error)) return
+            if (n > report_samples) call report_progress("copying the samples", &
+               & (j - 1)*n + first - 1, channels*n, c%error, c%callback)
+            if (allocated(c%error)) return
             do i = first, min(first + report_samples - 1, n)
                record%value(i, j) = x(i)
             end do

@@ -12,14 +12,14 @@ module gyroakf_c_api_c_drift
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_c_api_c_filter, only : filter_options_c, new_handle, hand_over, read_options
-   use gyroakf_c_api_c_host, only : progress_c, callback_type
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
-      & check_struct_size, check_place, check_finite, open_series
+   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
+      & check_struct_size, check_place, check_finite, open_options, open_series
    use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
-   public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, gyroakf_drift_filter_new, &
-      & gyroakf_drift_smooth, gyroakf_drift_smooth_watched
+   public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, &
+      & gyroakf_drift_filter_new, gyroakf_drift_smooth, gyroakf_drift_smooth_watched
 
    !> `gyroakf_drift_model`
    type, bind(C) :: drift_model_c
@@ -55,7 +55,8 @@ contains
    end subroutine gyroakf_drift_options_init
 
    !> `gyroakf_drift_identify`
-   integer(c_int) function gyroakf_drift_identify(z, n, opt, model, err) bind(C, name="gyroakf_drift_identify")
+   integer(c_int) function gyroakf_drift_identify(z, n, opt, model, err) &
+      & bind(C, name="gyroakf_drift_identify")
       type(c_ptr), intent(in), value :: z
       integer(c_int64_t), intent(in), value :: n
       type(drift_options_c), intent(in), optional :: opt
@@ -64,20 +65,25 @@ contains
       type(call_type) :: c
       type(drift_identification_options) :: options
       type(drift_identification_type) :: found
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call check_model_place(error, model)
-      if (.not. allocated(error)) call read_drift_options(options, c%callback, error, opt)
-      call open_series(z, n, c, error)
-      if (.not. allocated(error)) call identify_drift_model(c%x, options, found, error, c%valid, progress=c%callback)
-      if (.not. allocated(error)) model = drift_model_c(c_sizeof(model), found%model%count, found%model%phi, found%model%q, &
-         & found%model%r, merge(1, 0, found%slow))
-      gyroakf_drift_identify = leave_library(c, error, err)
+      call check_model_place(c%error, model)
+      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (present(opt) .and. ok(c)) then
+         options%drift_samples = opt%drift_samples
+         options%most = opt%most_samples
+      end if
+      call open_series(z, n, c)
+      if (ok(c)) call identify_drift_model(c%x, options, found, c%error, &
+         & c%valid, progress=c%callback)
+      if (ok(c)) model = drift_model_c(c_sizeof(model), found%model%count, &
+         & found%model%phi, found%model%q, found%model%r, merge(1, 0, found%slow))
+      gyroakf_drift_identify = leave_library(c, err)
    end function gyroakf_drift_identify
 
    !> `gyroakf_drift_filter_new`
-   integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) bind(C, name="gyroakf_drift_filter_new")
+   integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) &
+      & bind(C, name="gyroakf_drift_filter_new")
       type(drift_model_c), intent(in), optional :: model
       type(filter_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
@@ -86,32 +92,34 @@ contains
       type(component_model_type) :: components
       type(filter_options) :: options
       type(filter_type), pointer :: handle
-      type(error_type), allocatable :: error
       logical :: slow(most_components)
 
       call enter_library(c)
-      call new_handle(handle, error, out)
-      if (.not. allocated(error)) call read_options(options, error, opt)
-      if (.not. allocated(error)) call read_model(components, slow, error, model)
-      if (.not. allocated(error)) call new_drift_filter(handle, components, slow(:components%count), options, error)
-      call hand_over(handle, error, out)
-      gyroakf_drift_filter_new = leave_library(c, error, err)
+      call new_handle(handle, c%error, out)
+      call read_options(options, c%error, opt)
+      call read_model(components, slow, c%error, model)
+      if (ok(c)) call new_drift_filter(handle, components, &
+         & slow(:components%count), options, c%error)
+      call hand_over(handle, c%error, out)
+      gyroakf_drift_filter_new = leave_library(c, err)
    end function gyroakf_drift_filter_new
 
    !> `gyroakf_drift_smooth`
-   integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) bind(C, name="gyroakf_drift_smooth")
+   integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) &
+      & bind(C, name="gyroakf_drift_smooth")
       type(drift_model_c), intent(in), optional :: model
       type(c_ptr), intent(in), value :: z, drift, variance
       integer(c_int64_t), intent(in), value :: n
       type(filter_options_c), intent(in), optional :: opt
       type(error_c), intent(out), optional :: err
 
-      gyroakf_drift_smooth = gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, c_null_funptr, c_null_ptr, err)
+      gyroakf_drift_smooth = gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, &
+         & c_null_funptr, c_null_ptr, err)
    end function gyroakf_drift_smooth
 
    !> `gyroakf_drift_smooth_watched`
-   integer(c_int) function gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, progress, progress_user, err) &
-      & bind(C, name="gyroakf_drift_smooth_watched")
+   integer(c_int) function gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, &
+      & progress, progress_user, err) bind(C, name="gyroakf_drift_smooth_watched")
       type(drift_model_c), intent(in), optional :: model
       type(c_ptr), intent(in), value :: z, drift, variance
       integer(c_int64_t), intent(in), value :: n
@@ -122,66 +130,52 @@ contains
       type(call_type) :: c
       type(component_model_type) :: components
       type(filter_options) :: options
-      type(error_type), allocatable :: error
       logical :: slow(most_components)
 
       call enter_library(c, progress, progress_user)
-      call read_options(options, error, opt)
-      if (.not. allocated(error)) call read_model(components, slow, error, model)
-      call check_place(c_associated(drift), "drift", error)
-      call check_aligned(drift, error)
-      call check_aligned(variance, error)
-      call open_series(z, n, c, error)
-      call check_apart([z, drift, variance], 8*[n, n, n], error)
-      if (.not. allocated(error)) call smooth(components, slow(:components%count), c, drift, variance, options, error)
-      gyroakf_drift_smooth_watched = leave_library(c, error, err)
+      call read_options(options, c%error, opt)
+      call read_model(components, slow, c%error, model)
+      call check_place(c_associated(drift), "drift", c%error)
+      call check_aligned(drift, c%error)
+      call check_aligned(variance, c%error)
+      call open_series(z, n, c)
+      call check_apart([z, drift, variance], 8*[n, n, n], c%error)
+      if (ok(c)) call smooth(components, slow(:components%count), c, drift, variance, options)
+      gyroakf_drift_smooth_watched = leave_library(c, err)
    end function gyroakf_drift_smooth_watched
 
-   !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_drift_options(options, callback, error, opt)
-      type(drift_identification_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
-      type(drift_options_c), intent(in), optional :: opt
-
-      if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
-      if (allocated(error)) return
-      options%drift_samples = opt%drift_samples
-      options%most = opt%most_samples
-      callback = callback_type(opt%progress)
-   end subroutine read_drift_options
-
    !> The smoother that the options ask for, into the caller's arrays.
-   subroutine smooth(model, slow, c, drift, variance, options, error)
+   subroutine smooth(model, slow, c, drift, variance, options)
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
       type(call_type), intent(inout) :: c
       type(c_ptr), intent(in) :: drift, variance
       type(filter_options), intent(in) :: options
-      type(error_type), allocatable, intent(out) :: error
       real(c_double), pointer, contiguous :: output(:), spread_of(:)
 
       nullify (spread_of)
-      call c_f_pointer(drift, output, [size(c%x, kind=c_int64_t)])
-      if (c_associated(variance)) call c_f_pointer(variance, spread_of, [size(c%x, kind=c_int64_t)])
+      call c_f_pointer(drift, output, shape(c%x, c_int64_t))
+      if (c_associated(variance)) call c_f_pointer(variance, spread_of, shape(c%x, c_int64_t))
       if (options%estimate_measurement_variance) then
-         call smooth_adaptive(model, slow, options, c%x, output, error, c%valid, spread_of, progress=c%callback)
+         call smooth_adaptive(model, slow, options, c%x, output, c%error, c%valid, spread_of, &
+            & progress=c%callback)
       else
-         call smooth_drift(model, slow, c%x, output, error, c%valid, spread_of, progress=c%callback)
+         call smooth_drift(model, slow, c%x, output, c%error, c%valid, spread_of, &
+            & progress=c%callback)
       end if
-      call check_finite(output, error)
-      if (.not. allocated(error) .and. associated(spread_of)) call check_finite(spread_of, error)
+      call check_finite(output, c%error)
+      if (associated(spread_of)) call check_finite(spread_of, c%error)
    end subroutine smooth
 
    !> The place for a model must be there and initialised.
    subroutine check_model_place(error, model)
-      type(error_type), allocatable, intent(out) :: error
+      !> An earlier error stays
+      type(error_type), allocatable, intent(inout) :: error
       type(drift_model_c), intent(in), optional :: model
 
       if (present(model)) then
          call check_struct_size(model%struct_size, c_sizeof(model), error)
-      else
+      else if (.not. allocated(error)) then
          call fatal_error(error, status%invalid_argument, "the drift model must not be NULL")
       end if
    end subroutine check_model_place
@@ -190,7 +184,8 @@ contains
    subroutine read_model(components, slow, error, model)
       type(component_model_type), intent(out) :: components
       logical, intent(out) :: slow(:)
-      type(error_type), allocatable, intent(out) :: error
+      !> An earlier error stays
+      type(error_type), allocatable, intent(inout) :: error
       type(drift_model_c), intent(in), optional :: model
 
       slow = .false.

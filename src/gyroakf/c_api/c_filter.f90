@@ -9,14 +9,15 @@ module gyroakf_c_api_c_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
       & run_filter, freeze_filter
    use gyroakf_progress, only : report_progress
-   use gyroakf_c_api_c_host, only : callback_type, begin_step, end_step
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+   use gyroakf_c_api_c_host, only : begin_step, end_step
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_struct_size, check_place, check_finite, take_text, max_samples
    use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
-   public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, gyroakf_filter_freeze, &
-      & gyroakf_filter_run, gyroakf_filter_run_watched, gyroakf_filter_get, gyroakf_filter_free
+   public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, &
+      & gyroakf_filter_freeze, gyroakf_filter_run, gyroakf_filter_run_watched, gyroakf_filter_get, &
+      & gyroakf_filter_free
    public :: filter_options_c, new_handle, hand_over, read_options
 
    !> Largest state
@@ -25,7 +26,8 @@ module gyroakf_c_api_c_filter
    !> Samples that [[gyroakf_filter_run]] copies at a time, so that x may be z
    integer, parameter :: block = 1024
 
-   !> Samples between two reports of progress for a state of one coefficient; a step of p coefficients takes p^2 times as long
+   !> Samples between two reports of progress for a state of one coefficient; a step of p
+   !> coefficients takes p^2 times as long
    integer(int64), parameter :: report_samples = 256*block
 
    !> `gyroakf_filter_options`
@@ -54,13 +56,15 @@ contains
       type(filter_options) :: defaults
 
       if (present(opt)) opt = filter_options_c(c_sizeof(opt), forgetting=defaults%forgetting, &
-         & burn_in=int(defaults%burn_in, c_int32_t), huber=defaults%huber, r_scale=defaults%r_scale, &
-         & initial_variance=defaults%initial_variance, q_lower=defaults%q_lower, q_upper=defaults%q_upper, &
-         & r_lower=defaults%r_lower, r_upper=defaults%r_upper)
+         & burn_in=int(defaults%burn_in, c_int32_t), huber=defaults%huber, &
+         & r_scale=defaults%r_scale, initial_variance=defaults%initial_variance, &
+         & q_lower=defaults%q_lower, q_upper=defaults%q_upper, r_lower=defaults%r_lower, &
+         & r_upper=defaults%r_upper)
    end subroutine gyroakf_filter_options_init
 
    !> `gyroakf_filter_new`
-   integer(c_int) function gyroakf_filter_new(p, phi, q, r, opt, out, err) bind(C, name="gyroakf_filter_new")
+   integer(c_int) function gyroakf_filter_new(p, phi, q, r, opt, out, err) &
+      & bind(C, name="gyroakf_filter_new")
       integer(c_int32_t), intent(in), value :: p
       type(c_ptr), intent(in), value :: phi
       real(c_double), intent(in), value :: q, r
@@ -71,15 +75,14 @@ contains
       real(dp), allocatable :: coefficients(:)
       type(filter_options) :: options
       type(filter_type), pointer :: handle
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call new_handle(handle, error, out)
-      if (.not. allocated(error)) call read_options(options, error, opt)
-      if (.not. allocated(error)) call read_coefficients(p, phi, coefficients, error)
-      if (.not. allocated(error)) call new_filter(handle, coefficients, q, r, options, error)
-      call hand_over(handle, error, out)
-      gyroakf_filter_new = leave_library(c, error, err)
+      call new_handle(handle, c%error, out)
+      call read_options(options, c%error, opt)
+      call read_coefficients(p, phi, coefficients, c%error)
+      if (ok(c)) call new_filter(handle, coefficients, q, r, options, c%error)
+      call hand_over(handle, c%error, out)
+      gyroakf_filter_new = leave_library(c, err)
    end function gyroakf_filter_new
 
    !> `gyroakf_filter_step`
@@ -137,20 +140,19 @@ contains
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
       type(filter_type), pointer :: filter
-      type(error_type), allocatable :: error
 
       call enter_library(c, progress, progress_user)
-      if (.not. (c_associated(f) .and. c_associated(z) .and. c_associated(x)) .or. n < 1 .or. n > max_samples) then
-         call fatal_error(error, status%invalid_argument, "filter and series must not be NULL, the length must be 1 .. 2**44")
-      end if
-      call check_aligned(z, error)
-      call check_aligned(x, error)
-      if (.not. (allocated(error) .or. c_associated(x, z))) call check_apart([z, x], [8*n, 8*n], error)
-      if (.not. allocated(error)) then
+      if (.not. (c_associated(f) .and. c_associated(z) .and. c_associated(x)) .or. n < 1 .or. &
+         & n > max_samples) call fatal_error(c%error, status%invalid_argument, &
+         & "filter and series must not be NULL, the length must be 1 .. 2**44")
+      call check_aligned(z, c%error)
+      call check_aligned(x, c%error)
+      if (.not. c_associated(x, z)) call check_apart([z, x], [8*n, 8*n], c%error)
+      if (ok(c)) then
          call c_f_pointer(f, filter)
-         call run_blocks(filter, z, n, x, c%callback, error)
+         call run_blocks(filter, z, n, x, c)
       end if
-      gyroakf_filter_run_watched = leave_library(c, error, err)
+      gyroakf_filter_run_watched = leave_library(c, err)
    end function gyroakf_filter_run_watched
 
    !> `gyroakf_filter_get`
@@ -160,18 +162,18 @@ contains
       type(filter_type), pointer :: filter
       type(filter_state_c) :: held
       type(call_type) :: c
-      type(error_type), allocatable :: error
 
       gyroakf_filter_get = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(out)) return
       call c_f_pointer(f, filter)
       call enter_library(c)
-      held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, filter%innovation_variance, &
-         & filter%q_mean, filter%r_mean, filter%q, filter%r, filter%steps)
-      call check_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, held%q_mean, held%r_mean, &
-         & held%q, held%r], error)
-      if (.not. allocated(error)) out = held
-      gyroakf_filter_get = leave_library(c, error)
+      held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, &
+         & filter%innovation_variance, filter%q_mean, filter%r_mean, filter%q, filter%r, &
+         & filter%steps)
+      call check_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, &
+         & held%q_mean, held%r_mean, held%q, held%r], c%error)
+      if (ok(c)) out = held
+      gyroakf_filter_get = leave_library(c)
    end function gyroakf_filter_get
 
    !> `gyroakf_filter_free`
@@ -210,16 +212,17 @@ contains
       if (associated(handle)) out = c_loc(handle)
    end subroutine hand_over
 
-   !> The coefficients, copied.
    subroutine read_coefficients(p, phi, coefficients, error)
       integer(c_int32_t), intent(in) :: p
       type(c_ptr), intent(in) :: phi
       real(dp), allocatable, intent(out) :: coefficients(:)
-      type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable, intent(inout) :: error
       real(c_double), pointer :: given(:)
 
+      if (allocated(error)) return
       if (p < 0 .or. p > largest_order .or. (p > 0 .and. .not. c_associated(phi))) then
-         call fatal_error(error, status%invalid_argument, "the order p must be 0 .. 1000, phi not NULL")
+         call fatal_error(error, status%invalid_argument, &
+            & "the order p must be 0 .. 1000, phi not NULL")
          return
       end if
       allocate (coefficients(p))
@@ -233,7 +236,8 @@ contains
    !> Options of C into options of the library; the defaults where they are absent.
    subroutine read_options(options, error, opt)
       type(filter_options), intent(out) :: options
-      type(error_type), allocatable, intent(out) :: error
+      !> An earlier error stays
+      type(error_type), allocatable, intent(inout) :: error
       type(filter_options_c), intent(in), optional :: opt
 
       if (.not. present(opt)) return
@@ -257,13 +261,12 @@ contains
    end subroutine read_options
 
    !> The whole series, block by block: a block is read before its results are written.
-   subroutine run_blocks(filter, z, n, x, callback, error)
+   subroutine run_blocks(filter, z, n, x, c)
       type(filter_type), intent(inout) :: filter
       type(c_ptr), intent(in) :: z, x
       integer(int64), intent(in) :: n
-      type(callback_type), intent(inout) :: callback
-      !> cancelled, non_finite
-      type(error_type), allocatable, intent(out) :: error
+      !> Its error: cancelled, non_finite
+      type(call_type), intent(inout) :: c
       real(c_double), pointer, contiguous :: input(:), output(:)
       real(dp) :: raw(block), filtered(block)
       integer(int64) :: first, m, stride
@@ -272,13 +275,15 @@ contains
       call c_f_pointer(x, output, [n])
       stride = max(1_int64, report_samples/int(filter%order, int64)**2)
       do first = 1, n, min(int(block, int64), stride)
-         if (modulo(first - 1, stride) == 0) call report_progress("filtering", first - 1, n, error, callback)
-         if (allocated(error)) return
+         if (modulo(first - 1, stride) == 0) then
+            call report_progress("filtering", first - 1, n, c%error, c%callback)
+         end if
+         if (allocated(c%error)) return
          m = min(int(block, int64), stride, n - first + 1)
          raw(:m) = input(first:first + m - 1)
          call run_filter(filter, raw(:m), filtered(:m))
-         call check_finite(filtered(:m), error)
-         if (allocated(error)) return
+         call check_finite(filtered(:m), c%error)
+         if (allocated(c%error)) return
          output(first:first + m - 1) = filtered(:m)
       end do
    end subroutine run_blocks

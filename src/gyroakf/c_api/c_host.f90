@@ -2,8 +2,8 @@
 !> The calling program's floating-point environment and its progress function, which may cancel a
 !> long call. See c_api/include/gyroakf.h.
 module gyroakf_c_api_c_host
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_char, c_null_char, c_null_ptr, &
-      & c_null_funptr, c_associated, c_f_procpointer
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, &
+      & c_char, c_null_char, c_null_ptr, c_null_funptr, c_associated, c_f_procpointer
    use gyroakf_kinds, only : int64
    use gyroakf_progress, only : progress_type
    implicit none (type, external)
@@ -70,7 +70,8 @@ module gyroakf_c_api_c_host
 
 contains
 
-   !> Calls the function of the program, which may leave a floating-point environment of its own behind.
+   !> Calls the function of the program, which may leave a floating-point environment of its own
+   !> behind.
    subroutine call_back(self, stage, done, total, cancel)
       !> The function
       class(callback_type), intent(inout) :: self

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> C: the noise coefficients of a deviation curve. What the function promises is said in c_api/include/gyroakf.h.
+!> C: the noise coefficients of a deviation curve. What the function promises is said in
+!> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_noise
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_double, c_size_t, &
       & c_null_ptr, c_associated, c_f_pointer, c_sizeof
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : fatal_error, status
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_struct_size, take_text
    implicit none (type, external)
    private
@@ -43,8 +44,8 @@ contains
       type(fit_options_c), intent(out), optional :: opt
       type(noise_options) :: defaults
 
-      if (present(opt)) opt = fit_options_c(c_sizeof(opt), tau_min=defaults%tau_min, tau_max=defaults%tau_max, &
-         & lsb=defaults%lsb)
+      if (present(opt)) opt = fit_options_c(c_sizeof(opt), tau_min=defaults%tau_min, &
+         & tau_max=defaults%tau_max, lsb=defaults%lsb)
    end subroutine gyroakf_fit_options_init
 
    !> `gyroakf_noise_fit`
@@ -54,22 +55,19 @@ contains
       type(noise_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(noise_options) :: options
-      type(noise_type) :: noise
       type(allan_curve_type), pointer :: curve
       type(allan_curve_type), allocatable :: copy
-      type(error_type), allocatable :: error
       integer :: stat
 
       call enter_library(c)
-      call open_curve(a, present(out), curve, options, error, opt)
-      if (.not. allocated(error)) then
+      call open_curve(a, present(out), curve, c)
+      if (ok(c)) then
          allocate (copy, source=curve, stat=stat)
-         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a deviation curve")
+         if (stat /= 0) call fatal_error(c%error, status%no_memory, &
+            & "no memory for a deviation curve")
       end if
-      if (.not. allocated(error)) call fit_noise(copy, options, noise, error)
-      if (.not. allocated(error)) call write_noise(noise, out)
-      gyroakf_noise_fit = leave_library(c, error, err)
+      if (ok(c)) call fit(copy, out, c, opt)
+      gyroakf_noise_fit = leave_library(c, err)
    end function gyroakf_noise_fit
 
    !> `gyroakf_allan_fit`
@@ -79,68 +77,57 @@ contains
       type(noise_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(noise_options) :: options
-      type(noise_type) :: noise
       type(allan_curve_type), pointer :: curve
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call open_curve(a, present(out), curve, options, error, opt)
-      if (.not. allocated(error)) call fit_noise(curve, options, noise, error)
-      if (.not. allocated(error)) call write_noise(noise, out)
-      gyroakf_allan_fit = leave_library(c, error, err)
+      call open_curve(a, present(out), curve, c)
+      if (ok(c)) call fit(curve, out, c, opt)
+      gyroakf_allan_fit = leave_library(c, err)
    end function gyroakf_allan_fit
 
-   !> The curve of a handle, and the options.
-   subroutine open_curve(a, has_out, curve, options, error, opt)
+   subroutine open_curve(a, has_out, curve, c)
       type(c_ptr), intent(in) :: a
       logical, intent(in) :: has_out
       type(allan_curve_type), pointer, intent(out) :: curve
-      type(noise_options), intent(out) :: options
-      type(error_type), allocatable, intent(out) :: error
-      type(fit_options_c), intent(in), optional :: opt
+      type(call_type), intent(inout) :: c
 
       nullify (curve)
-      if (c_associated(a) .and. has_out) then
-         call c_f_pointer(a, curve)
-         call read_options(options, error, opt)
-      else
-         call fatal_error(error, status%invalid_argument, "the curve and the place for the result must not be NULL")
-      end if
+      if (c_associated(a)) call c_f_pointer(a, curve)
+      if (.not. (associated(curve) .and. has_out)) call fatal_error(c%error, &
+         & status%invalid_argument, "the curve and the place for the result must not be NULL")
    end subroutine open_curve
 
-   !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, error, opt)
-      type(noise_options), intent(out) :: options
-      type(error_type), allocatable, intent(out) :: error
-      type(fit_options_c), intent(in), optional :: opt
-
-      if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
-      if (allocated(error)) return
-      call take_text(opt%terms, options%terms, error)
-      options%tau_min = opt%tau_min
-      options%tau_max = opt%tau_max
-      options%lsb = opt%lsb
-   end subroutine read_options
-
-   !> The result in C's struct.
-   pure subroutine write_noise(noise, out)
-      type(noise_type), intent(in) :: noise
+   !> Fits the terms to a curve, whose limits change.
+   subroutine fit(curve, out, c, opt)
+      type(allan_curve_type), intent(inout) :: curve
       type(noise_c), intent(inout) :: out
+      type(call_type), intent(inout) :: c
+      type(fit_options_c), intent(in), optional :: opt
+      type(noise_options) :: options
+      type(noise_type) :: noise
 
+      if (present(opt)) call check_struct_size(opt%struct_size, c_sizeof(opt), c%error)
+      if (present(opt) .and. ok(c)) then
+         call take_text(opt%terms, options%terms, c%error)
+         options%tau_min = opt%tau_min
+         options%tau_max = opt%tau_max
+         options%lsb = opt%lsb
+      end if
+      if (ok(c)) call fit_noise(curve, options, noise, c%error)
+      if (allocated(c%error)) return
       associate (term => coefficient_of(noise%coefficient))
-         out = noise_c(term(1), term(2), term(3), term(4), term(5), noise%chi2_reduced, noise%points, noise%left_out, &
-            & noise%cut_off, merge(1, 0, noise%described), noise%tau_first, noise%tau_last, noise%chi2_probability, &
-            & noise%floor, noise%kurtosis, coefficient_of(noise%unquantized), noise%lsb_ratio)
+         out = noise_c(term(1), term(2), term(3), term(4), term(5), noise%chi2_reduced, &
+            & noise%points, noise%left_out, noise%cut_off, merge(1, 0, noise%described), &
+            & noise%tau_first, noise%tau_last, noise%chi2_probability, noise%floor, &
+            & noise%kurtosis, coefficient_of(noise%unquantized), noise%lsb_ratio)
       end associate
-   end subroutine write_noise
+   end subroutine fit
 
-   !> One coefficient in C's struct.
    elemental type(coefficient_c) function coefficient_of(c)
       type(coefficient_type), intent(in) :: c
 
-      coefficient_of = coefficient_c(c%value, c%std_error, c%upper_limit, merge(1, 0, c%detected), merge(1, 0, c%fitted))
+      coefficient_of = coefficient_c(c%value, c%std_error, c%upper_limit, &
+         & merge(1, 0, c%detected), merge(1, 0, c%fitted))
    end function coefficient_of
 
 end module gyroakf_c_api_c_noise

@@ -1,19 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> C: outliers, and the series without them and its trend. What the functions promise is said in c_api/include/gyroakf.h.
+!> C: outliers, and the series without them and its trend. What the functions promise is said in
+!> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_outliers
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int32_t, c_int64_t, &
       & c_double, c_size_t, c_null_ptr, c_associated, c_f_pointer, c_sizeof
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8
-   use gyroakf_error, only : error_type
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_c_api_c_host, only : progress_c, callback_type
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
-      & check_struct_size, check_place, check_finite, take_text, open_series
+   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
+      & check_place, check_finite, open_options, open_series, take_text
    use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
-   public :: gyroakf_outlier_options_init, gyroakf_mark_outliers, gyroakf_clean, outlier_options_c, outliers_c
+   public :: gyroakf_outlier_options_init, gyroakf_mark_outliers, gyroakf_clean
+   public :: outlier_options_c, outliers_c
 
    !> `gyroakf_outlier_options`
    type, bind(C) :: outlier_options_c
@@ -23,9 +24,6 @@ module gyroakf_c_api_c_outliers
       integer(c_int32_t) :: rounds, half_width, degree
       type(progress_c) :: progress
    end type outlier_options_c
-
-   !> Size of the options before they had a progress function
-   integer(c_size_t), parameter :: size_before = 40
 
    !> `gyroakf_outliers`
    type, bind(C) :: outliers_c
@@ -42,34 +40,32 @@ contains
       type(clean_options) :: defaults
 
       if (present(opt)) opt = outlier_options_c(c_sizeof(opt), threshold=defaults%threshold, &
-         & rounds=int(defaults%max_passes, c_int32_t), half_width=int(defaults%half_width, c_int32_t), &
-         & degree=int(defaults%degree, c_int32_t))
+         & rounds=int(defaults%max_passes, c_int32_t), degree=int(defaults%degree, c_int32_t), &
+         & half_width=int(defaults%half_width, c_int32_t))
    end subroutine gyroakf_outlier_options_init
 
    !> `gyroakf_mark_outliers`
-   integer(c_int) function gyroakf_mark_outliers(x, n, opt, inlier, out, err) bind(C, name="gyroakf_mark_outliers")
+   integer(c_int) function gyroakf_mark_outliers(x, n, opt, inlier, out, err) &
+      & bind(C, name="gyroakf_mark_outliers")
       type(c_ptr), intent(in), value :: x, inlier
       integer(c_int64_t), intent(in), value :: n
       type(outlier_options_c), intent(in), optional :: opt
       type(outliers_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(clean_type) :: result
       real(dp), allocatable :: series(:)
       integer(int8), allocatable :: mask(:)
       integer(c_int8_t), pointer :: marks(:)
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call check_place(c_associated(inlier), "marks", error)
-      call clean(c, x, n, inlier, n, series, mask, result, error, opt)
-      if (.not. allocated(error)) then
+      call check_place(c_associated(inlier), "marks", c%error)
+      call clean(c, x, n, inlier, n, series, mask, opt, out)
+      if (ok(c)) then
          call c_f_pointer(inlier, marks, [n])
          marks(:) = 1_c_int8_t
          if (allocated(mask)) marks(:) = mask
-         if (present(out)) out = figures_of(result)
       end if
-      gyroakf_mark_outliers = leave_library(c, error, err)
+      gyroakf_mark_outliers = leave_library(c, err)
    end function gyroakf_mark_outliers
 
    !> `gyroakf_clean`
@@ -80,32 +76,28 @@ contains
       type(outliers_c), intent(inout), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(clean_type) :: result
       real(dp), allocatable :: series(:)
       integer(int8), allocatable :: mask(:)
       real(c_double), pointer :: output(:)
       integer(c_int64_t) :: i
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call check_place(c_associated(cleaned), "cleaned series", error)
-      call check_aligned(cleaned, error)
-      call clean(c, x, n, cleaned, 8*n, series, mask, result, error, opt)
-      if (.not. allocated(error)) call check_finite(series, error)
-      if (.not. allocated(error)) then
+      call check_place(c_associated(cleaned), "cleaned series", c%error)
+      call check_aligned(cleaned, c%error)
+      call clean(c, x, n, cleaned, 8*n, series, mask, opt, out)
+      if (ok(c)) then
          call c_f_pointer(cleaned, output, [n])
          output(:) = series
          do i = 1, n
             if (.not. allocated(mask)) exit
             if (mask(i) == 0_int8) output(i) = ieee_value(output(i), ieee_quiet_nan)
          end do
-         if (present(out)) out = figures_of(result)
       end if
-      gyroakf_clean = leave_library(c, error, err)
+      gyroakf_clean = leave_library(c, err)
    end function gyroakf_clean
 
-   !> Checks what C has given, and cleans the series.
-   subroutine clean(c, x, n, place, bytes, series, mask, result, error, opt)
+   !> Checks what C has given, cleans the series and gives the figures.
+   subroutine clean(c, x, n, place, bytes, series, mask, opt, out)
       type(call_type), intent(inout) :: c
       type(c_ptr), intent(in) :: x
       integer(c_int64_t), intent(in) :: n
@@ -115,43 +107,30 @@ contains
       !> As [[clean_series]]
       real(dp), allocatable, intent(out) :: series(:)
       integer(int8), allocatable, intent(out) :: mask(:)
-      type(clean_type), intent(out) :: result
-      type(error_type), allocatable, intent(inout) :: error
       type(outlier_options_c), intent(in), optional :: opt
+      type(outliers_c), intent(inout), optional :: out
       type(clean_options) :: options
+      type(clean_type) :: result
 
-      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
-      call open_series(x, n, c, error)
-      call check_apart([x, place], [8*n, bytes], error)
-      if (allocated(error)) return
-      call clean_series(c%x, options, series, mask, result, error, c%valid, c%callback)
-      call check_finite([result%expected, result%threshold, result%mean, result%variance, result%corrected_variance], error)
+      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (present(opt) .and. ok(c)) then
+         call take_text(opt%method, options%method, c%error)
+         options%threshold = opt%threshold
+         options%max_passes = opt%rounds
+         options%half_width = opt%half_width
+         options%degree = opt%degree
+      end if
+      call open_series(x, n, c)
+      call check_apart([x, place], [8*n, bytes], c%error)
+      if (allocated(c%error)) return
+      call clean_series(c%x, options, series, mask, result, c%error, c%valid, c%callback)
+      call check_finite([result%expected, result%threshold, result%mean, result%variance, &
+         & result%corrected_variance], c%error)
+      if (ok(c)) call check_finite(series, c%error)
+      if (allocated(c%error) .or. .not. present(out)) return
+      out = outliers_c(result%removed, result%expected, result%threshold, result%mean, &
+         & result%variance, result%corrected_variance, int(result%passes, c_int32_t), &
+         & merge(1_c_int32_t, 0_c_int32_t, result%converged))
    end subroutine clean
-
-   !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, callback, error, opt)
-      type(clean_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
-      type(outlier_options_c), intent(in), optional :: opt
-
-      if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error, size_before)
-      if (allocated(error)) return
-      call take_text(opt%method, options%method, error)
-      options%threshold = opt%threshold
-      options%max_passes = opt%rounds
-      options%half_width = opt%half_width
-      options%degree = opt%degree
-      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress)
-   end subroutine read_options
-
-   !> The figures in C's struct.
-   pure type(outliers_c) function figures_of(result)
-      type(clean_type), intent(in) :: result
-
-      figures_of = outliers_c(result%removed, result%expected, result%threshold, result%mean, result%variance, &
-         & result%corrected_variance, int(result%passes, c_int32_t), merge(1_c_int32_t, 0_c_int32_t, result%converged))
-   end function figures_of
 
 end module gyroakf_c_api_c_outliers

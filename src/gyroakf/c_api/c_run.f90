@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> For C: the whole job with its JSON document, and simulated recordings. What each function promises is said in
-!> c_api/include/gyroakf.h.
+!> For C: the whole job with its JSON document, and simulated recordings. What each function
+!> promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_run
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
       & c_size_t, c_null_char, c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use gyroakf_kinds, only : int8
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : fatal_error, status
    use gyroakf_pipeline, only : run_pipeline, apply_preset
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type
@@ -13,15 +13,14 @@ module gyroakf_c_api_c_run
    use gyroakf_report_json, only : json_type
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, &
       & paper_seed
-   use gyroakf_c_api_c_host, only : progress_c, callback_type
-   use gyroakf_c_api_c_record, only : record_handle, new_handle, hand_over
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
-      & check_struct_size, copy_c_text, max_samples
+   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_recording, only : record_handle, new_handle, hand_over
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
+      & copy_c_text, max_samples, open_options
    implicit none (type, external)
    private
-   public :: gyroakf_run_options_init, gyroakf_run, gyroakf_result_json, gyroakf_result_free, gyroakf_simulate_options_init, &
-      & gyroakf_simulate
-   public :: run_options_c, read_options
+   public :: gyroakf_run_options_init, gyroakf_run, gyroakf_result_json, gyroakf_result_free
+   public :: gyroakf_simulate_options_init, gyroakf_simulate, run_options_c, read_options
 
    !> `gyroakf_run_options`
    type, bind(C) :: run_options_c
@@ -38,14 +37,12 @@ module gyroakf_c_api_c_run
       integer(c_int64_t) :: samples, seed
       real(c_double) :: rate_hz
       type(c_ptr) :: unit = c_null_ptr
-      real(c_double) :: q = 0, n = 0, b = 0, k = 0, r = 0, ar_phi = 0, ar_variance = 0, offset = 0, outlier_size = 0
+      real(c_double) :: q = 0, n = 0, b = 0, k = 0, r = 0
+      real(c_double) :: ar_phi = 0, ar_variance = 0, offset = 0, outlier_size = 0
       integer(c_int64_t) :: outliers = 0
       real(c_double) :: lsb = 0, missing = 0
       type(progress_c) :: progress
    end type simulate_options_c
-
-   !> Size of these options before they had a progress function
-   integer(c_size_t), parameter :: simulate_size_before = 144
 
    !> What `gyroakf_result *` points at
    type :: result_handle
@@ -71,35 +68,31 @@ contains
       type(record_handle), pointer :: record
       type(result_handle), pointer :: handle
       type(pipeline_options) :: options
-      type(error_type), allocatable :: error
 
       call enter_library(c)
       nullify (handle)
       if (present(out)) out = c_null_ptr
-      if (.not. present(out) .or. .not. c_associated(r)) then
-         call fatal_error(error, status%invalid_argument, "the recording and the place for the result (out) must not be NULL")
-      else
-         call read_options(options, c%callback, error, opt)
-      end if
-      if (.not. allocated(error)) then
+      if (.not. present(out) .or. .not. c_associated(r)) call fatal_error(c%error, &
+         & status%invalid_argument, &
+         & "the recording and the place for the result (out) must not be NULL")
+      call read_options(options, c, opt)
+      if (ok(c)) then
          call c_f_pointer(r, record)
          allocate (handle)
-         call run_record(record%record, options, c%callback, handle%json, error)
-         if (allocated(error)) deallocate (handle)
+         call run_record(record%record, options, handle%json, c)
+         if (allocated(c%error)) deallocate (handle)
       end if
       if (associated(handle)) out = c_loc(handle)
-      gyroakf_run = leave_library(c, error, err)
+      gyroakf_run = leave_library(c, err)
    end function gyroakf_run
 
-   !> The job, and its document.
-   subroutine run_record(given, options, callback, json, error)
+   subroutine run_record(given, options, json, c)
       !> Its missing values are NaN
       type(record_type), intent(in) :: given
       type(pipeline_options), intent(in) :: options
-      type(callback_type), intent(inout) :: callback
       !> Ends with NUL
       character(:), allocatable, intent(out) :: json
-      type(error_type), allocatable, intent(out) :: error
+      type(call_type), intent(inout) :: c
       type(record_type), allocatable :: record
       type(pipeline_result_type) :: result
       type(json_type) :: document
@@ -108,21 +101,21 @@ contains
       if (allocated(given%present)) then
          allocate (record, source=given, stat=stat)
          if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for a copy of the recording")
+            call fatal_error(c%error, status%no_memory, "no memory for a copy of the recording")
             return
          end if
          where (record%present == 0_int8) record%value = 0
-         call run_pipeline(record, options, result, error, callback)
+         call run_pipeline(record, options, result, c%error, c%callback)
       else
-         call run_pipeline(given, options, result, error, callback)
+         call run_pipeline(given, options, result, c%error, c%callback)
       end if
-      if (allocated(error)) return
+      if (allocated(c%error)) return
       if (allocated(record)) call put_document(document, record, result)
       if (.not. allocated(record)) call put_document(document, given, result)
       stat = merge(1, 0, document%failed)
       if (stat == 0) allocate (character(document%used + 1) :: json, stat=stat)
       if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the text of the results")
+         call fatal_error(c%error, status%no_memory, "no memory for the text of the results")
          return
       end if
       json(:document%used) = document%buffer(:document%used)
@@ -151,23 +144,24 @@ contains
    end subroutine gyroakf_result_free
 
    !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, callback, error, opt)
+   subroutine read_options(options, c, opt)
+      !> Of the library
       type(pipeline_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
+      !> Gets the progress function; nothing is done after an earlier error
+      type(call_type), intent(inout) :: c
+      !> Of C; absent for NULL
       type(run_options_c), intent(in), optional :: opt
       character(:), allocatable :: preset
 
       if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
-      if (allocated(error)) return
+      call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (allocated(c%error)) return
       call copy_c_text(opt%preset, "default", preset)
-      call apply_preset(preset, options, error)
+      call apply_preset(preset, options, c%error)
       options%do_tests = opt%tests /= 0
       options%do_ar = opt%ar /= 0
       options%do_filter = opt%filters /= 0
       options%do_allan = opt%allan /= 0
-      callback = callback_type(opt%progress)
    end subroutine read_options
 
    !> `gyroakf_simulate_options_init`
@@ -175,8 +169,8 @@ contains
       type(simulate_options_c), intent(out), optional :: opt
       type(simulate_options) :: defaults
 
-      if (present(opt)) opt = simulate_options_c(c_sizeof(opt), samples=defaults%samples, seed=paper_seed, &
-         & rate_hz=defaults%rate_hz)
+      if (present(opt)) opt = simulate_options_c(c_sizeof(opt), samples=defaults%samples, &
+         & seed=paper_seed, rate_hz=defaults%rate_hz)
    end subroutine gyroakf_simulate_options_init
 
    !> `gyroakf_simulate`
@@ -187,36 +181,34 @@ contains
       type(call_type) :: c
       type(record_handle), pointer :: handle
       type(simulate_options) :: options
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call new_handle(handle, present(opt), "the options (opt) must not be NULL", error, out)
-      if (.not. allocated(error)) call read_simulation(opt, options, c%callback, error)
-      if (.not. allocated(error)) call simulate_record(options, handle%record, error, progress=c%callback)
-      call hand_over(handle, error, out)
-      gyroakf_simulate = leave_library(c, error, err)
+      call new_handle(handle, present(opt), "the options (opt) must not be NULL", c, out)
+      if (ok(c)) call read_simulation(opt, options, c)
+      if (ok(c)) call simulate_record(options, handle%record, c%error, progress=c%callback)
+      call hand_over(handle, c, out)
+      gyroakf_simulate = leave_library(c, err)
    end function gyroakf_simulate
 
-   !> Options of C into options of the library.
-   subroutine read_simulation(opt, options, callback, error)
+   subroutine read_simulation(opt, options, c)
       type(simulate_options_c), intent(in) :: opt
       type(simulate_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
+      type(call_type), intent(inout) :: c
       character(:), allocatable :: preset
 
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error, simulate_size_before)
-      if (allocated(error)) return
-      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress)
+      call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (allocated(c%error)) return
       call copy_c_text(opt%preset, "none", preset)
       if (preset == "paper") then
          options = paper_preset(opt%seed)
          return
       else if (preset /= "none") then
-         call fatal_error(error, status%invalid_argument, 'there is no preset "'//preset//'"; there are none and paper')
+         call fatal_error(c%error, status%invalid_argument, 'there is no preset "'//preset// &
+            & '"; there are none and paper')
          return
       else if (opt%samples < 1 .or. opt%samples > max_samples) then
-         call fatal_error(error, status%invalid_argument, "the number of samples must be 1 .. 2**44")
+         call fatal_error(c%error, status%invalid_argument, &
+            & "the number of samples must be 1 .. 2**44")
          return
       end if
       options%samples = opt%samples

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> C: filters put away and taken up again. What each function promises is said in c_api/include/gyroakf.h.
+!> C: filters put away and taken up again. What each function promises is said in
+!> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_saving
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int64_t, c_associated, &
       & c_f_pointer
@@ -8,7 +9,7 @@ module gyroakf_c_api_c_saving
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
    use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_c_api_c_filter, only : new_handle, hand_over
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & max_samples
    implicit none (type, external)
    private
@@ -25,60 +26,60 @@ contains
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
       type(filter_type), pointer :: filter
-      type(error_type), allocatable :: error
 
       call enter_library(c)
       if (c_associated(f)) then
          call c_f_pointer(f, filter)
-         call reset_filter(filter, error)
+         call reset_filter(filter, c%error)
       else
-         call fatal_error(error, status%invalid_argument, "the filter must not be NULL")
+         call fatal_error(c%error, status%invalid_argument, "the filter must not be NULL")
       end if
-      gyroakf_filter_reset = leave_library(c, error, err)
+      gyroakf_filter_reset = leave_library(c, err)
    end function gyroakf_filter_reset
 
    !> `gyroakf_filter_save`
-   integer(c_int) function gyroakf_filter_save(f, bytes, capacity, size_out, err) bind(C, name="gyroakf_filter_save")
+   integer(c_int) function gyroakf_filter_save(f, bytes, capacity, size_out, err) &
+      & bind(C, name="gyroakf_filter_save")
       type(c_ptr), intent(in), value :: f, bytes
       integer(c_int64_t), intent(in), value :: capacity
       integer(c_int64_t), intent(inout), optional :: size_out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
       type(filter_type), pointer :: filter
-      type(error_type), allocatable :: error
       integer(int64), allocatable :: word(:)
 
       call enter_library(c)
       if (.not. c_associated(f) .or. .not. present(size_out)) then
-         call fatal_error(error, status%invalid_argument, "the filter and the place for the size must not be NULL")
+         call fatal_error(c%error, status%invalid_argument, &
+            & "the filter and the place for the size must not be NULL")
       else
          call c_f_pointer(f, filter)
-         call save_filter(filter, word, error)
-         if (.not. allocated(error)) then
+         call save_filter(filter, word, c%error)
+         if (ok(c)) then
             size_out = word_bytes*size(word, kind=int64)
-            if (c_associated(bytes)) call write_bytes(word, bytes, capacity, error)
+            if (c_associated(bytes)) call write_bytes(word, bytes, capacity, c%error)
          end if
       end if
-      gyroakf_filter_save = leave_library(c, error, err)
+      gyroakf_filter_save = leave_library(c, err)
    end function gyroakf_filter_save
 
    !> `gyroakf_filter_restore`
-   integer(c_int) function gyroakf_filter_restore(bytes, length, out, err) bind(C, name="gyroakf_filter_restore")
+   integer(c_int) function gyroakf_filter_restore(bytes, length, out, err) &
+      & bind(C, name="gyroakf_filter_restore")
       type(c_ptr), intent(in), value :: bytes
       integer(c_int64_t), intent(in), value :: length
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
       type(filter_type), pointer :: handle
-      type(error_type), allocatable :: error
       integer(int64), allocatable :: word(:)
 
       call enter_library(c)
-      call new_handle(handle, error, out)
-      if (.not. allocated(error)) call read_bytes(bytes, length, word, error)
-      if (.not. allocated(error)) call restore_filter(word, handle, error)
-      call hand_over(handle, error, out)
-      gyroakf_filter_restore = leave_library(c, error, err)
+      call new_handle(handle, c%error, out)
+      if (ok(c)) call read_bytes(bytes, length, word, c%error)
+      if (ok(c)) call restore_filter(word, handle, c%error)
+      call hand_over(handle, c%error, out)
+      gyroakf_filter_restore = leave_library(c, err)
    end function gyroakf_filter_restore
 
    !> Words into the caller's bytes, at any address.
@@ -90,19 +91,20 @@ contains
       !> invalid_argument: too few
       type(error_type), allocatable, intent(out) :: error
       integer(c_int8_t), pointer :: place(:)
+      integer(int64) :: needed
       character(100) :: text
 
-      if (capacity < word_bytes*size(word, kind=int64)) then
-         write (text, '("the state of this filter takes ", i0, " bytes, there are ", i0)') word_bytes*size(word, kind=int64), &
-            capacity
+      needed = word_bytes*size(word, kind=int64)
+      if (capacity < needed) then
+         write (text, '("the state of this filter takes ", i0, " bytes, there are ", i0)') &
+            & needed, capacity
          call fatal_error(error, status%invalid_argument, trim(text))
          return
       end if
-      call c_f_pointer(bytes, place, [word_bytes*size(word, kind=int64)])
+      call c_f_pointer(bytes, place, [needed])
       place(:) = transfer(word, place)
    end subroutine write_bytes
 
-   !> Words from the caller's bytes.
    subroutine read_bytes(bytes, length, word, error)
       type(c_ptr), intent(in) :: bytes
       integer(c_int64_t), intent(in) :: length
@@ -112,17 +114,19 @@ contains
       integer(c_int8_t), pointer, contiguous :: place(:)
       integer :: stat
 
+      stat = 0
       if (.not. c_associated(bytes) .or. length < 1 .or. length > max_samples) then
-         call fatal_error(error, status%invalid_argument, "the bytes of a filter must not be NULL, their number must be 1 .. 2**44")
+         call fatal_error(error, status%invalid_argument, &
+            & "the bytes of a filter must not be NULL, their number must be 1 .. 2**44")
       else if (modulo(length, word_bytes) /= 0) then
-         call fatal_error(error, status%parse, "the state of a filter is cut short or has something behind it")
+         call fatal_error(error, status%parse, &
+            & "the state of a filter is cut short or has something behind it")
+      else
+         allocate (word(length/word_bytes), stat=stat)
       end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the state of a filter")
       if (allocated(error)) return
-      allocate (word(length/word_bytes), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the state of a filter")
-         return
-      end if
       call c_f_pointer(bytes, place, [length])
       word(:) = transfer(place, word)
    end subroutine read_bytes

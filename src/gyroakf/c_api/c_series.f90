@@ -1,16 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> C: tests of stationarity (ADF, KPSS), as documented in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_series
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, c_null_ptr, c_sizeof
-   use gyroakf_error, only : error_type
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
+      & c_size_t, c_null_ptr, c_sizeof
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf
-   use gyroakf_c_api_c_host, only : progress_c, callback_type
-   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, &
-      & check_struct_size, check_place, check_finite, take_text, open_series
+   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
+      & check_place, check_finite, open_options, open_series, take_text
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
    implicit none (type, external)
    private
-   public :: gyroakf_adf_options_init, gyroakf_adf_test
+   public :: gyroakf_adf_options_init, gyroakf_adf_test, adf_options_c, adf_c
    public :: gyroakf_kpss_options_init, gyroakf_kpss_test
 
    !> `gyroakf_adf_options`
@@ -39,13 +39,11 @@ module gyroakf_c_api_c_series
 
    !> `gyroakf_kpss`
    type, bind(C) :: kpss_c
-      real(c_double) :: statistic, p_value, p_asymptotic, critical(4), variance, long_run_variance, drift
+      real(c_double) :: statistic, p_value, p_asymptotic, critical(4)
+      real(c_double) :: variance, long_run_variance, drift
       integer(c_int64_t) :: lags, observations
       integer(c_int32_t) :: p_bound
    end type kpss_c
-
-   !> Size of the options before they had a progress function
-   integer(c_size_t), parameter :: kpss_size_before = 32
 
 contains
 
@@ -68,35 +66,23 @@ contains
       type(call_type) :: c
       type(adf_options) :: options
       type(adf_type) :: result
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call check_place(present(out), "result", error)
-      if (.not. allocated(error)) call read_options(options, c%callback, error, opt)
-      call open_series(x, n, c, error)
-      if (.not. allocated(error)) call test_adf(c%x, options, result, error, c%valid, progress=c%callback)
-      call check_finite([result%statistic, result%p_value], error)
-      if (.not. allocated(error)) out = adf_c(result%statistic, result%p_value, result%critical, int(result%lag, c_int32_t), &
-         & int(result%observations, c_int64_t))
-      gyroakf_adf_test = leave_library(c, error, err)
+      call check_place(present(out), "result", c%error)
+      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (present(opt) .and. ok(c)) then
+         call take_text(opt%regression, options%regression, c%error)
+         call take_text(opt%criterion, options%criterion, c%error)
+         options%lags = opt%lags
+         options%max_lags = opt%max_lags
+      end if
+      call open_series(x, n, c)
+      if (ok(c)) call test_adf(c%x, options, result, c%error, c%valid, progress=c%callback)
+      call check_finite([result%statistic, result%p_value], c%error)
+      if (ok(c)) out = adf_c(result%statistic, result%p_value, &
+         & result%critical, int(result%lag, c_int32_t), int(result%observations, c_int64_t))
+      gyroakf_adf_test = leave_library(c, err)
    end function gyroakf_adf_test
-
-   !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_options(options, callback, error, opt)
-      type(adf_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
-      type(adf_options_c), intent(in), optional :: opt
-
-      if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error)
-      if (allocated(error)) return
-      call take_text(opt%regression, options%regression, error)
-      options%lags = opt%lags
-      options%max_lags = opt%max_lags
-      call take_text(opt%criterion, options%criterion, error)
-      callback = callback_type(opt%progress)
-   end subroutine read_options
 
    !> `gyroakf_kpss_options_init`
    subroutine gyroakf_kpss_options_init(opt) bind(C, name="gyroakf_kpss_options_init")
@@ -115,35 +101,23 @@ contains
       type(call_type) :: c
       type(kpss_options) :: options
       type(kpss_type) :: result
-      type(error_type), allocatable :: error
 
       call enter_library(c)
-      call check_place(present(out), "result", error)
-      if (.not. allocated(error)) call read_kpss(options, c%callback, error, opt)
-      call open_series(x, n, c, error)
-      if (.not. allocated(error)) call test_kpss(c%x, options, result, error, c%valid, c%callback)
-      call check_finite([result%statistic, result%p_value, result%p_asymptotic, result%variance, result%long_run_variance, &
-         & result%drift], error)
-      if (.not. allocated(error)) out = kpss_c(result%statistic, result%p_value, result%p_asymptotic, result%critical, &
-         & result%variance, result%long_run_variance, result%drift, result%lags, result%observations, &
-         & int(result%p_bound, c_int32_t))
-      gyroakf_kpss_test = leave_library(c, error, err)
+      call check_place(present(out), "result", c%error)
+      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (present(opt) .and. ok(c)) then
+         call take_text(opt%regression, options%regression, c%error)
+         call take_text(opt%rule, options%rule, c%error)
+         options%lags = opt%lags
+      end if
+      call open_series(x, n, c)
+      if (ok(c)) call test_kpss(c%x, options, result, c%error, c%valid, c%callback)
+      call check_finite([result%statistic, result%p_value, result%p_asymptotic, result%variance, &
+         & result%long_run_variance, result%drift], c%error)
+      if (ok(c)) out = kpss_c(result%statistic, result%p_value, &
+         & result%p_asymptotic, result%critical, result%variance, result%long_run_variance, &
+         & result%drift, result%lags, result%observations, int(result%p_bound, c_int32_t))
+      gyroakf_kpss_test = leave_library(c, err)
    end function gyroakf_kpss_test
-
-   !> Options of C into options of the library; the defaults where they are absent.
-   subroutine read_kpss(options, callback, error, opt)
-      type(kpss_options), intent(out) :: options
-      type(callback_type), intent(out) :: callback
-      type(error_type), allocatable, intent(out) :: error
-      type(kpss_options_c), intent(in), optional :: opt
-
-      if (.not. present(opt)) return
-      call check_struct_size(opt%struct_size, c_sizeof(opt), error, kpss_size_before)
-      if (allocated(error)) return
-      call take_text(opt%regression, options%regression, error)
-      if (.not. allocated(error)) call take_text(opt%rule, options%rule, error)
-      options%lags = opt%lags
-      if (opt%struct_size == c_sizeof(opt)) callback = callback_type(opt%progress)
-   end subroutine read_kpss
 
 end module gyroakf_c_api_c_series

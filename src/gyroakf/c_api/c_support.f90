@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> What every C wrapper needs: the caller's error struct, its strings, its floating-point environment, its arrays.
+!> What every C wrapper needs: the caller's error struct, its strings, its floating-point
+!> environment, its arrays.
 !>
 !> A wrapper is
 !>
 !>     call enter_library(c)
-!>     ... check the pointers, call one procedure of the library with `error` ...
-!>     code = leave_library(c, error, err)
+!>     ... check the pointers; if (ok(c)), call one procedure of the library with `c%error` ...
+!>     code = leave_library(c, err)
 !>
-!> and holds no numerics. The rules that C callers rely on are at the top of c_api/include/gyroakf.h.
+!> and holds no numerics. The rules that C callers rely on are at the top of
+!> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_support
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, c_char, &
       & c_size_t, c_null_char, c_associated, c_f_pointer
@@ -15,12 +17,13 @@ module gyroakf_c_api_c_support
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_utf8, only : make_readable
+   use gyroakf_allan_block_sums, only : count_non_finite
    use gyroakf_c_api_c_host, only : progress_c, callback_type, set_aside, restore
    use gyroakf_c_api_c_places, only : check_aligned
    implicit none (type, external)
    private
-   public :: error_c, call_type, enter_library, leave_library, check_struct_size, check_place, check_finite, copy_c_text, &
-      & take_text, open_series, max_samples
+   public :: error_c, call_type, enter_library, leave_library, ok, open_options, open_series
+   public :: check_struct_size, check_place, check_finite, copy_c_text, take_text, max_samples
 
    !> More samples than any machine can hold: counts beyond it are mistakes
    integer(int64), parameter :: max_samples = 2_int64**44
@@ -38,6 +41,8 @@ module gyroakf_c_api_c_support
    type :: call_type
       !> The caller's floating-point environment: space for the C library's fenv_t
       integer(c_int64_t) :: environment(64)
+      !> What went wrong, if anything
+      type(error_type), allocatable :: error
       !> The caller's progress function
       type(callback_type) :: callback
       !> The caller's series, as the library takes it: its own array, or a copy with 0 for NaN
@@ -72,33 +77,38 @@ contains
       if (present(progress)) c%callback%program = progress_c(progress, user)
    end subroutine enter_library
 
-   !> Restores the caller's floating-point environment, fills its error struct and returns the status.
-   integer(c_int) function leave_library(c, error, err)
-      !> From [[enter_library]]; its series is closed
+   !> Whether nothing went wrong so far.
+   pure logical function ok(c)
+      !> From [[enter_library]]
+      type(call_type), intent(in) :: c
+
+      ok = .not. allocated(c%error)
+   end function ok
+
+   !> Closes the series, fills the caller's error struct, restores the caller's floating-point
+   !> environment and returns the status.
+   integer(c_int) function leave_library(c, err)
+      !> From [[enter_library]]
       type(call_type), intent(inout) :: c
-      !> The library's error, if any
-      type(error_type), allocatable, intent(in) :: error
       !> The caller's struct; absent for NULL
       type(error_c), intent(out), optional :: err
-      character(:), allocatable :: message
 
       if (c%owned) deallocate (c%x)
-      c%owned = .false.
       leave_library = status%ok
-      if (allocated(error)) leave_library = error%code
+      if (allocated(c%error)) leave_library = c%error%code
       if (present(err)) then
          err%code = leave_library
          err%message(:) = c_null_char
-         if (allocated(error)) then
-            message = error%message
-            call make_readable(message, lines=.true.)
-            call copy_text(message, err%message)
+         if (allocated(c%error)) then
+            call make_readable(c%error%message, lines=.true.)
+            call copy_text(c%error%message, err%message)
          end if
       end if
       call restore(c%environment)
    end function leave_library
 
-   !> Copies a text of UTF-8, cut at a whole character where it is too long for the array and its final NUL.
+   !> Copies a text of UTF-8, cut at a whole character where it is too long for the array and its
+   !> final NUL.
    pure subroutine copy_text(text, array)
       character(*), intent(in) :: text
       character(kind=c_char), intent(inout) :: array(:)
@@ -107,7 +117,7 @@ contains
       n = min(len(text), size(array) - 1)
       if (n < len(text)) then
          do while (n > 0)
-            if (iand(ichar(text(n + 1:n + 1)), 192) /= 128) exit         ! the next byte begins a character
+            if (iand(ichar(text(n + 1:n + 1)), 192) /= 128) exit   ! the next begins a character
             n = n - 1
          end do
       end if
@@ -116,24 +126,35 @@ contains
       end do
    end subroutine copy_text
 
-   !> The first member of an options struct must be what its _init wrote, or that of an earlier version had written.
-   subroutine check_struct_size(given, known, error, earlier)
+   !> The first member of an options struct must be what its _init wrote.
+   subroutine check_struct_size(given, known, error)
       !> `struct_size` of the caller, and of this library
       integer(c_size_t), intent(in) :: given, known
-      !> invalid_argument: of no version, not_supported: of a later one
-      type(error_type), allocatable, intent(out) :: error
-      !> Size before the struct grew; what is beyond must not be read where it is given
-      integer(c_size_t), intent(in), optional :: earlier
+      !> An earlier error stays; invalid_argument: of no version, not_supported: of a later one
+      type(error_type), allocatable, intent(inout) :: error
 
-      if (present(earlier)) then
-         if (given == earlier) return
-      end if
+      if (allocated(error) .or. given == known) return
       if (given > known) then
-         call fatal_error(error, status%not_supported, "struct_size of the options is that of a later version of the library")
-      else if (given /= known) then
-         call fatal_error(error, status%invalid_argument, "the options are not initialised: call their _init function first")
+         call fatal_error(error, status%not_supported, &
+            "struct_size of the options is that of a later version of the library")
+      else
+         call fatal_error(error, status%invalid_argument, &
+            "the options are not initialised: call their _init function first")
       end if
    end subroutine check_struct_size
+
+   !> Checks an options struct as [[check_struct_size]] and takes its progress function.
+   subroutine open_options(given, known, progress, c)
+      !> `struct_size` of the caller, and of this library
+      integer(c_size_t), intent(in) :: given, known
+      !> Not there where the struct is that of another version
+      type(progress_c), intent(in) :: progress
+      !> After an error nothing is done
+      type(call_type), intent(inout) :: c
+
+      call check_struct_size(given, known, c%error)
+      if (.not. allocated(c%error)) c%callback%program = progress
+   end subroutine open_options
 
    !> A place that the caller must give.
    pure subroutine check_place(there, what, error)
@@ -145,7 +166,8 @@ contains
       type(error_type), allocatable, intent(inout) :: error
 
       if (allocated(error) .or. there) return
-      call fatal_error(error, status%invalid_argument, "the place for the "//what//" must not be NULL")
+      call fatal_error(error, status%invalid_argument, &
+         "the place for the "//what//" must not be NULL")
    end subroutine check_place
 
    !> Results are finite; those of values near the largest number may overflow.
@@ -157,13 +179,13 @@ contains
 
       if (allocated(error)) return
       if (.not. all(ieee_is_finite(results))) call fatal_error(error, status%non_finite, &
-         & "a result overflows: the values are too large; divide them by a constant first")
+         "a result overflows: the values are too large; divide them by a constant first")
    end subroutine check_finite
 
    !> A C string; the default where it is NULL.
    !>
-   !> (A subroutine: gfortran 12 keeps the length of a function's deferred-length text in static memory,
-   !> which two threads would share.)
+   !> (A subroutine: gfortran 12 keeps the length of a function's deferred-length text in static
+   !> memory, which two threads would share.)
    subroutine copy_c_text(string, default, text)
       !> NUL-terminated, or NULL
       type(c_ptr), intent(in) :: string
@@ -191,7 +213,8 @@ contains
       type(c_ptr), intent(in) :: string
       !> The default in, the text out
       character(*), intent(inout) :: value
-      !> An earlier error stays and nothing is done; invalid_argument: a text longer than any that is known
+      !> An earlier error stays and nothing is done; invalid_argument: a text longer than any that
+      !> is known
       type(error_type), allocatable, intent(inout) :: error
       character(:), allocatable :: text
 
@@ -205,45 +228,38 @@ contains
    end subroutine take_text
 
    !> Takes a series of the caller: its own array where nothing is missing, else a copy with marks.
-   subroutine open_series(array, n, c, error)
+   subroutine open_series(array, n, c)
       !> const double *
       type(c_ptr), intent(in) :: array
       !> Its length
       integer(c_int64_t), intent(in) :: n
-      !> Gets the series
+      !> Gets the series; nothing after an earlier error. invalid_argument: NULL, or a length out of
+      !> range; non_finite: an infinite value; no_memory
       type(call_type), intent(inout) :: c
-      !> An earlier error stays and nothing is done; invalid_argument: NULL, or a length out of range; non_finite: an infinite
-      !> value; no_memory
-      type(error_type), allocatable, intent(inout) :: error
       real(dp), pointer, contiguous :: x(:)
-      integer(int64) :: i, missing
 
-      if (allocated(error)) return
+      if (allocated(c%error)) return
       if (.not. c_associated(array) .or. n < 1 .or. n > max_samples) then
-         call fatal_error(error, status%invalid_argument, "a series must not be NULL and its length must be 1 .. 2**44")
-         return
+         call fatal_error(c%error, status%invalid_argument, &
+            "a series must not be NULL and its length must be 1 .. 2**44")
       end if
-      call check_aligned(array, error)
-      if (allocated(error)) return
+      call check_aligned(array, c%error)
+      if (allocated(c%error)) return
       call c_f_pointer(array, x, [n])
-      missing = 0
-      do i = 1, n
-         if (ieee_is_finite(x(i))) cycle
-         if (.not. ieee_is_nan(x(i))) then
-            call fatal_error(error, status%non_finite, "a value of the series is infinite (a missing one is NaN)")
-            return
-         end if
-         missing = missing + 1
-      end do
       c%x => x
-      if (missing > 0) call copy_series(x, c, error)
+      if (count_non_finite(x) == 0) return
+      if (any(.not. (ieee_is_finite(x) .or. ieee_is_nan(x)))) then
+         call fatal_error(c%error, status%non_finite, &
+            "a value of the series is infinite (a missing one is NaN)")
+      else
+         call copy_series(x, c)
+      end if
    end subroutine open_series
 
    !> The copy with 0 for NaN, and the marks.
-   subroutine copy_series(x, c, error)
+   subroutine copy_series(x, c)
       real(dp), intent(in), contiguous :: x(:)
       type(call_type), intent(inout) :: c
-      type(error_type), allocatable, intent(out) :: error
       integer(int64) :: i, n
       integer :: stat
 
@@ -251,11 +267,11 @@ contains
       nullify (c%x)
       allocate (c%valid(n), stat=stat)
       if (stat == 0) allocate (c%x(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a copy of the series")
+      c%owned = stat == 0
+      if (.not. c%owned) then
+         call fatal_error(c%error, status%no_memory, "no memory for a copy of the series")
          return
       end if
-      c%owned = .true.
       do i = 1, n
          c%valid(i) = merge(0_int8, 1_int8, ieee_is_nan(x(i)))
          c%x(i) = 0

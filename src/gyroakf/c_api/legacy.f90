@@ -1,30 +1,34 @@
 ! SPDX-License-Identifier: MIT
-!> FORTRAN 77: Allan deviation, noise coefficients, unit-root test, AR model, and the filter with its state in an array of the
-!> caller. The arguments are described in c_api/README.md.
+!> FORTRAN 77: Allan deviation, noise coefficients, unit-root test, AR model, and the filter with
+!> its state in an array of the caller. The arguments are described in c_api/README.md.
 !>
-!> Names of six letters with an underscore behind them in the object, arguments by reference, INFO last: 0 good, -i argument i is
-!> bad, > 0 a failure (the numbers of `enum gyroakf_status`).
+!> Names of six letters with an underscore behind them in the object, arguments by reference, INFO
+!> last: 0 good, -i argument i is bad, > 0 a failure (the numbers of `enum gyroakf_status`).
 module gyroakf_c_api_legacy
-   use, intrinsic :: iso_c_binding, only : c_int32_t, c_int64_t, c_double, c_loc, c_int
+   use, intrinsic :: iso_c_binding, only : c_int, c_int32_t, c_int64_t, c_char, c_double, c_loc, &
+      & c_null_char
    use gyroakf_error, only : error_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, fit_noise
-   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
-   use gyroakf_series_adf, only : adf_options, adf_type, test_adf
-   use gyroakf_c_api_c_support, only : call_type, enter_library, leave_library, open_series
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    use gyroakf_filter_packed, only : packed_length, pack_filter, is_packed, step_packed, &
       & freeze_packed, packed_numbers
+   use gyroakf_c_api_c_ar, only : ar_options_c, gyroakf_ar_fit, gyroakf_ar_options_init
    use gyroakf_c_api_c_host, only : begin_step, end_step
+   use gyroakf_c_api_c_series, only : adf_c, adf_options_c, gyroakf_adf_options_init, &
+      & gyroakf_adf_test
+   use gyroakf_c_api_c_support, only : call_type, enter_library, leave_library, ok, open_series
    implicit none (type, external)
    private
    public :: gyadev, gynfit, gyadft, gyarft, gyfini, gyfstp, gyfrun, gyfget, gyffrz
 
    !> KIND of GYADEV from 1 on
-   character(6), parameter :: kinds(7) = ["oadev ", "adev  ", "mdev  ", "tdev  ", "hdev  ", "ohdev ", "totdev"]
+   character(6), parameter :: kinds(7) = [character(6) :: "oadev", "adev", "mdev", "tdev", "hdev", &
+      & "ohdev", "totdev"]
 
    !> METHOD of GYARFT from 1 on
-   character(4), parameter :: methods(3) = ["yw  ", "burg", "ols "]
+   character(5, c_char), parameter :: methods(3) = [character(5, c_char) :: &
+      & "yw"//c_null_char, "burg"//c_null_char, "ols"//c_null_char]
 
    !> Largest order
    integer, parameter :: largest_order = 1000
@@ -32,7 +36,8 @@ module gyroakf_c_api_legacy
 contains
 
    !> CALL GYADEV(N, X, DT, KIND, MAXT, NT, TAU, DEV, DLO, DHI, EDF, INFO)
-   subroutine gyadev(n, x, dt, kind, maxt, nt, tau, dev, dlo, dhi, edf, info) bind(C, name="gyadev_")
+   subroutine gyadev(n, x, dt, kind, maxt, nt, tau, dev, dlo, dhi, edf, info) &
+      & bind(C, name="gyadev_")
       integer(c_int32_t), intent(in) :: n, kind, maxt
       real(c_double), intent(in), target :: x(*)
       real(c_double), intent(in) :: dt
@@ -43,7 +48,7 @@ contains
       type(allan_options) :: options
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
-      type(error_type), allocatable :: error, unfitted
+      type(error_type), allocatable :: unfitted
 
       info = 0
       nt = 0
@@ -52,9 +57,9 @@ contains
       if (info /= 0) return
       call enter_library(c)
       options%kind = kinds(kind)
-      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
-      if (.not. allocated(error)) call compute_allan(c%x, dt, options, curve, error, c%valid)
-      if (.not. allocated(error)) then
+      call open_series(c_loc(x), int(n, c_int64_t), c)
+      if (ok(c)) call compute_allan(c%x, dt, options, curve, c%error, c%valid)
+      if (ok(c)) then
          if (curve%kind == "oadev") call fit_noise(curve, noise_options(), noise, unfitted)
          nt = size(curve%tau)
          if (nt > maxt) then
@@ -67,7 +72,7 @@ contains
             edf(:nt) = curve%edf
          end if
       end if
-      info = info + leave_library(c, error)
+      info = info + leave_library(c)
    end subroutine gyadev
 
    !> CALL GYNFIT(N, X, DT, COEF, SE, UPPER, IDET, CHI2, INFO)
@@ -81,23 +86,22 @@ contains
       type(call_type) :: c
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
-      type(error_type), allocatable :: error
 
       info = 0
       if (n < 2) info = -1
       if (info /= 0) return
       call enter_library(c)
-      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
-      if (.not. allocated(error)) call compute_allan(c%x, dt, allan_options(), curve, error, c%valid)
-      if (.not. allocated(error)) call fit_noise(curve, noise_options(), noise, error)
-      if (.not. allocated(error)) then
+      call open_series(c_loc(x), int(n, c_int64_t), c)
+      if (ok(c)) call compute_allan(c%x, dt, allan_options(), curve, c%error, c%valid)
+      if (ok(c)) call fit_noise(curve, noise_options(), noise, c%error)
+      if (ok(c)) then
          coef = noise%coefficient%value
          se = noise%coefficient%std_error
          upper = noise%coefficient%upper_limit
-         idet = merge(1_c_int32_t, merge(0_c_int32_t, -1_c_int32_t, noise%coefficient%fitted), noise%coefficient%detected)
+         idet = merge(1, merge(0, -1, noise%coefficient%fitted), noise%coefficient%detected)
          chi2 = noise%chi2_reduced
       end if
-      info = leave_library(c, error)
+      info = leave_library(c)
    end subroutine gynfit
 
    !> CALL GYADFT(N, X, MAXLAG, STAT, PVAL, CRIT, LAG, INFO)
@@ -107,26 +111,21 @@ contains
       real(c_double), intent(inout) :: stat, pval, crit(3)
       integer(c_int32_t), intent(inout) :: lag
       integer(c_int32_t), intent(out) :: info
-      type(call_type) :: c
-      type(adf_options) :: options
-      type(adf_type) :: result
-      type(error_type), allocatable :: error
+      type(adf_options_c) :: options
+      type(adf_c) :: result
 
       info = 0
       if (n < 1) info = -1
       if (info == 0 .and. maxlag < -1) info = -3
       if (info /= 0) return
-      call enter_library(c)
+      call gyroakf_adf_options_init(options)
       options%max_lags = maxlag
-      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
-      if (.not. allocated(error)) call test_adf(c%x, options, result, error, c%valid)
-      if (.not. allocated(error)) then
-         stat = result%statistic
-         pval = result%p_value
-         crit = result%critical
-         lag = int(result%lag, c_int32_t)
-      end if
-      info = leave_library(c, error)
+      info = gyroakf_adf_test(c_loc(x), int(n, c_int64_t), options, result)
+      if (info /= 0) return
+      stat = result%statistic
+      pval = result%p_value
+      crit = result%critical
+      lag = result%lag
    end subroutine gyadft
 
    !> CALL GYARFT(N, X, METHOD, MAXP, IP, PHI, VAR, XMEAN, INFO)
@@ -134,31 +133,21 @@ contains
       integer(c_int32_t), intent(in) :: n, method, maxp
       real(c_double), intent(in), target :: x(*)
       integer(c_int32_t), intent(inout) :: ip
-      real(c_double), intent(inout) :: phi(*), var, xmean
+      real(c_double), intent(inout), target :: phi(*)
+      real(c_double), intent(inout) :: var, xmean
       integer(c_int32_t), intent(out) :: info
-      type(call_type) :: c
-      type(ar_options) :: options
-      type(ar_model_type) :: model
-      type(error_type), allocatable :: error
+      character(len(methods), c_char), target :: name
+      type(ar_options_c) :: options
 
       info = 0
       if (n < 1) info = -1
       if (info == 0 .and. (method < 1 .or. method > size(methods))) info = -3
       if (info == 0 .and. (maxp < 0 .or. maxp > largest_order)) info = -4
       if (info /= 0) return
-      call enter_library(c)
-      options%method = methods(method)
-      options%max_order = maxp
-      call open_series(c_loc(x(1)), int(n, c_int64_t), c, error)
-      if (.not. allocated(error)) call fit_ar(c%x, options, model, error, c%valid)
-      if (.not. allocated(error)) then
-         ip = int(model%order, c_int32_t)
-         phi(:maxp) = 0
-         phi(:model%order) = model%coefficient
-         var = model%noise_variance
-         xmean = model%mean
-      end if
-      info = leave_library(c, error)
+      name = methods(method)
+      call gyroakf_ar_options_init(options)
+      options%method = c_loc(name)
+      info = gyroakf_ar_fit(c_loc(x), int(n, c_int64_t), options, maxp, ip, c_loc(phi), var, xmean)
    end subroutine gyarft
 
    !> CALL GYFINI(IP, PHI, Q, R, IADAPT, B, WORK, LWORK, INFO): begins a filter.
@@ -170,7 +159,6 @@ contains
       type(call_type) :: c
       type(filter_options) :: options
       type(filter_type) :: filter
-      type(error_type), allocatable :: error
 
       info = 0
       if (ip < 0 .or. ip > largest_order) info = -1
@@ -184,13 +172,13 @@ contains
       call enter_library(c)
       options%estimate_process_mean = iadapt(1) /= 0
       options%estimate_measurement_mean = iadapt(2) /= 0
-      options%allow_unobservable = .true.                  ! who asks for q and r by number means both
+      options%allow_unobservable = .true.           ! who asks for q and r by number means both
       options%estimate_process_variance = iadapt(3) /= 0
       options%estimate_measurement_variance = iadapt(4) /= 0
       options%forgetting = b
-      call new_filter(filter, phi(:ip), q, r, options, error)
-      if (.not. allocated(error)) call pack_filter(filter, work(:packed_length(filter%order)))
-      info = leave_library(c, error)
+      call new_filter(filter, phi(:ip), q, r, options, c%error)
+      if (ok(c)) call pack_filter(filter, work(:packed_length(filter%order)))
+      info = leave_library(c)
    end subroutine gyfini
 
    !> CALL GYFSTP(WORK, Z, X, INFO): one step.

@@ -1,11 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> FORTRAN 77: the series without its outliers and trend, and the filters of the program, which the library keeps; IH(2) holds them.
-!> The arguments are described in c_api/README.md; INFO as in [[gyroakf_c_api_legacy(module)]].
+!> FORTRAN 77: the series without its outliers and trend, and the filters of the program, which the
+!> library keeps; IH(2) holds them. The arguments are described in c_api/README.md; INFO as in
+!> [[gyroakf_c_api_legacy(module)]].
 module gyroakf_c_api_legacy_filters
-   use, intrinsic :: iso_c_binding, only : c_int32_t, c_int64_t, c_char, c_double, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only : c_int32_t, c_int64_t, c_char, c_double, c_loc, &
+      & c_null_char, c_null_ptr, c_ptr
    use gyroakf_c_api_c_design, only : gyroakf_filter_identify, kinds
-   use gyroakf_c_api_c_filter, only : gyroakf_filter_free, gyroakf_filter_freeze, gyroakf_filter_step
-   use gyroakf_c_api_c_outliers, only : gyroakf_clean, gyroakf_outlier_options_init, outlier_options_c, outliers_c
+   use gyroakf_c_api_c_filter, only : gyroakf_filter_free, gyroakf_filter_freeze, &
+      & gyroakf_filter_step
+   use gyroakf_c_api_c_outliers, only : gyroakf_clean, gyroakf_outlier_options_init, &
+      & outlier_options_c, outliers_c
    implicit none (type, external)
    private
    public :: gyclen, gyfdes, gyhstp, gyhfrz, gyhfre
@@ -48,7 +52,8 @@ contains
       if (info == 0 .and. (kind < 1 .or. kind > size(kinds))) info = -4
       if (info /= 0) return
       name = trim(kinds(kind))//c_null_char
-      info = gyroakf_filter_identify(c_loc(name), c_loc(x), int(n, c_int64_t), dt, out=handle, mean=xmean)
+      info = gyroakf_filter_identify(c_loc(name), c_loc(x), int(n, c_int64_t), dt, out=handle, &
+         & mean=xmean)
       ih = transfer(handle, ih)
    end subroutine gyfdes
 

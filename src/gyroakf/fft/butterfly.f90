@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> One pass of the mixed-radix transform: the butterflies of the radices 2, 3, 4, 5 and of any small prime.
+!> One pass of the mixed-radix transform: butterflies of the radices 2, 3, 4, 5 and small primes.
 !>
 !> Stockham's autosort form: a pass of radix r reads x[s, m, r] and writes y[s, r, m],
 !> $$ y(q,k,p) = w^{pk} \sum_{j=0}^{r-1} x(q,p,j)\, e^{-2\pi i jk/r}, \quad w = e^{-2\pi i/(rm)}, $$
-!> s being the product of the radices already done and n = s r m. No bit reversal is needed, and the inner
-!> loop (q) is contiguous. Source: C. Van Loan, Computational Frameworks for the FFT (SIAM, 1992), sec. 1.7 and 2.1.
+!> s being the product of the radices already done and n = s r m. No bit reversal is needed, and the
+!> inner loop (q) is contiguous. Source: C. Van Loan, Computational Frameworks for the FFT (SIAM,
+!> 1992), sec. 1.7 and 2.1.
 module gyroakf_fft_butterfly
    use gyroakf_kinds, only : dp, int64
    implicit none (type, external)
@@ -28,7 +29,8 @@ contains
       !> exp(-2 pi i j/n): [n]
       complex(dp), intent(in) :: twiddle(0:s*m*radix - 1)
 
-      integer(int64) :: part(4)                    ! the first and the last p, the first and the last q
+      ! the first and the last p, the first and the last q
+      integer(int64) :: part(4)
 
       part = [0_int64, m - 1, 1_int64, s]
       if (m >= pieces) then

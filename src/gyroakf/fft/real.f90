@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Discrete Fourier transform of real data: half the spectrum, half the work.
 !>
-!> An even length is taken as n/2 complex points and unpacked; an odd one goes through the complex transform.
+!> An even length is taken as n/2 complex points and unpacked, an odd one as a complex series.
 !>
 !>     call new_real_fft_plan(plan, n, error)
 !>     call real_fft_forward(plan, x, spectrum, error)     ! x(0:n-1) -> spectrum(0:n/2)
@@ -10,9 +10,11 @@
 !> Source: C. Van Loan, Computational Frameworks for the FFT (SIAM, 1992), sec. 4.3.
 module gyroakf_fft_real
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_fft_plan, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, unit_root, max_length, report_mask
+   use gyroakf_progress, only : progress_type
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
+   use gyroakf_fft_lengths, only : unit_root
+   use gyroakf_fft_plan, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, &
+      report_mask, report_points
    implicit none (type, external)
    private
    public :: real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward
@@ -42,10 +44,6 @@ contains
       integer(int64) :: k
       integer :: stat
 
-      if (length < 1 .or. length > max_length) then
-         call fatal_error(error, status%invalid_argument, "length of a Fourier transform must be 1 .. 2**40")
-         return
-      end if
       plan%length = length
       if (mod(length, 2_int64) == 1) then
          call new_fft_plan(plan%complex, length, error, progress)
@@ -54,12 +52,10 @@ contains
       call new_fft_plan(plan%complex, length/2, error, progress)
       if (allocated(error)) return
       allocate (plan%twiddle(0:length/2), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the tables of a Fourier transform")
-         return
-      end if
+      call check_memory(stat, "the tables of a Fourier transform", error)
+      if (allocated(error)) return
       do k = 0, length/2
-         if (iand(k, report_mask) == 0) call report_progress("Fourier transform", k, length/2, error, progress)
+         if (iand(k, report_mask) == 0) call report_points(k, length/2, error, progress)
          if (allocated(error)) return
          plan%twiddle(k) = conjg(unit_root(k, length))
       end do
@@ -67,7 +63,8 @@ contains
 
    !> Spectrum of a real series, from frequency 0 to the highest.
    !>
-   !> $$ X_k = \sum_{j=0}^{n-1} x_j e^{-2\pi i jk/n}, \quad k = 0 \ldots \lfloor n/2 \rfloor; \quad X_{n-k} = X_k^* $$
+   !> $$ X_k = \sum_{j=0}^{n-1} x_j e^{-2\pi i jk/n}, \quad k = 0 \ldots \lfloor n/2 \rfloor; \quad
+   !>    X_{n-k} = X_k^* $$
    subroutine real_fft_forward(plan, x, spectrum, error, progress)
       !> Plan of the length of x
       type(real_fft_plan_type), intent(in) :: plan
@@ -88,33 +85,34 @@ contains
       if (allocated(error)) return
       if (.not. allocated(plan%twiddle)) then
          allocate (full(0:plan%length - 1), stat=stat)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for the work space of a Fourier transform")
-            return
-         end if
+         call check_memory(stat, "the work space of a Fourier transform", error)
+         if (allocated(error)) return
          do k = 0, plan%length - 1
-            if (iand(k + 1, report_mask) == 0) call report_progress("Fourier transform", k, plan%length, error, progress)
+            if (iand(k + 1, report_mask) == 0) call report_points(k, plan%length, error, progress)
             if (allocated(error)) return
             full(k) = x(k)
          end do
          call fft_forward(plan%complex, full, error, progress)
-         if (.not. allocated(error) .and. half > report_mask) call report_progress("Fourier transform", half, half, error, progress)
+         if (.not. allocated(error) .and. half > report_mask) call report_points(half, half, &
+            error, progress)
          if (allocated(error)) return
          spectrum(:) = full(:half)
          return
       end if
       do k = 0, half - 1
-         if (iand(k + 1, report_mask) == 0) call report_progress("Fourier transform", k, half, error, progress)
+         if (iand(k + 1, report_mask) == 0) call report_points(k, half, error, progress)
          if (allocated(error)) return
          spectrum(k) = cmplx(x(2*k), x(2*k + 1), dp)
       end do
       call fft_forward(plan%complex, spectrum(:half - 1), error, progress)
-      if (.not. allocated(error) .and. half > report_mask) call report_progress("Fourier transform", half, half, error, progress)
+      if (.not. allocated(error) .and. &
+         half > report_mask) call report_points(half, half, error, progress)
       if (.not. allocated(error)) call unpack_spectrum(plan, spectrum, error, progress)
    end subroutine real_fft_forward
 
-   !> Series of a half spectrum: the inverse of [[real_fft_forward]]. The imaginary parts of the first value and, for an
-   !> even length, of the last are ignored (they are zero for a real series).
+   !> Series of a half spectrum: the inverse of [[real_fft_forward]]. The imaginary parts of the
+   !> first value and, for an even length, of the last are ignored (they are zero for a real
+   !> series).
    subroutine real_fft_backward(plan, spectrum, x, error, progress)
       !> Plan of the length of x
       type(real_fft_plan_type), intent(in) :: plan
@@ -135,10 +133,8 @@ contains
       if (allocated(error)) return
       if (.not. allocated(plan%twiddle)) then
          allocate (full(0:plan%length - 1), stat=stat)
-         if (stat /= 0) then
-            call fatal_error(error, status%no_memory, "no memory for the work space of a Fourier transform")
-            return
-         end if
+         call check_memory(stat, "the work space of a Fourier transform", error)
+         if (allocated(error)) return
          full(0) = real(spectrum(0), dp)
          do k = 1, half
             full(k) = spectrum(k)
@@ -149,7 +145,7 @@ contains
          return
       end if
       call pack_spectrum(plan, spectrum)
-      if (half > report_mask) call report_progress("Fourier transform", 0_int64, half, error, progress)
+      if (half > report_mask) call report_points(0_int64, half, error, progress)
       if (allocated(error)) return
       call fft_backward(plan%complex, spectrum(:half - 1), error, progress)
       if (allocated(error)) return
@@ -159,7 +155,7 @@ contains
       end do
    end subroutine real_fft_backward
 
-   !> Z, the spectrum of even + i odd samples, becomes X_k = (Z_k + Z*_{h-k})/2 - i w_k (Z_k - Z*_{h-k})/2.
+   !> From Z, the spectrum of even + i odd samples: (Z_k + Z*_{h-k})/2 - i w_k (Z_k - Z*_{h-k})/2.
    subroutine unpack_spectrum(plan, z, error, progress)
       type(real_fft_plan_type), intent(in) :: plan
       complex(dp), intent(inout), contiguous :: z(0:)
@@ -174,7 +170,7 @@ contains
       z(0) = real(first, dp) + aimag(first)
       z(half) = real(first, dp) - aimag(first)
       do k = 1, half/2
-         if (iand(k, report_mask) == 0) call report_progress("Fourier transform", half, half, error, progress)
+         if (iand(k, report_mask) == 0) call report_points(half, half, error, progress)
          if (allocated(error)) return
          even = 0.5_dp*(z(k) + conjg(z(half - k)))
          odd = 0.5_dp*(z(k) - conjg(z(half - k)))
@@ -192,7 +188,7 @@ contains
       complex(dp) :: even, odd
 
       half = plan%length/2
-      z(0) = 0.5_dp*cmplx(real(z(0), dp) + real(z(half), dp), real(z(0), dp) - real(z(half), dp), dp)
+      z(0) = 0.5_dp*cmplx(real(z(0) + z(half), dp), real(z(0) - z(half), dp), dp)
       do k = 1, half/2
          even = 0.5_dp*(z(k) + conjg(z(half - k)))
          odd = 0.5_dp*conjg(plan%twiddle(k))*(z(k) - conjg(z(half - k)))
@@ -209,7 +205,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (plan%length < 1 .or. samples /= plan%length .or. frequencies /= plan%length/2 + 1) then
-         call fatal_error(error, status%invalid_argument, "series, spectrum and plan of a Fourier transform differ in length")
+         call fatal_error(error, status%invalid_argument, &
+            "series, spectrum and plan of a Fourier transform differ in length")
       end if
    end subroutine check_lengths
 

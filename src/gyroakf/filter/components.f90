@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> The state space of drift and noise: independent processes of first order, their sum measured in white noise.
+!> The state space of drift and noise: independent processes of first order, their sum measured in
+!> white noise.
 !>
 !> $$ x_{i,k} = \phi_i x_{i,k-1} + w_{i,k}, \quad z_k = \sum_i x_{i,k} + v_k, \quad
 !>    \mathrm{Var}\,w_i = q_i, \quad \mathrm{Var}\,v = r $$
-!> A process with phi = 1 is a random walk; it begins anywhere: its prior is diffuse, treated exactly (the first measurement sets
-!> it), not by a large number. The others begin stationary. A step is O(n^2), n at most 3; the covariance is kept in Joseph's
-!> form, symmetric and positive.
+!> A process with phi = 1 is a random walk; it begins anywhere: its prior is diffuse, treated
+!> exactly (the first measurement sets it), not by a large number. The others begin stationary. A
+!> step is O(n^2), n at most 3; the covariance is kept in Joseph's form, symmetric and positive.
 !>
-!> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 4.3, 5.2; Bucy & Joseph (1968).
+!> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 4.3, 5.2;
+!> Bucy & Joseph (1968).
 module gyroakf_filter_components
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
@@ -16,7 +18,7 @@ module gyroakf_filter_components
    private
    public :: component_model_type, component_state_type, most_components
    public :: check_components, start_components, predict_components, correct_components
-   public :: settling_type, judge_settling
+   public :: settle_distance, vanished
 
    !> Processes that a model may have
    integer, parameter :: most_components = 3
@@ -44,17 +46,13 @@ module gyroakf_filter_components
       logical :: started = .true.
    end type component_state_type
 
-   !> Relative distance at which it is as good as reached, and change that is rounding
-   real(dp), parameter :: settled_distance = 1.0e-13_dp, rounding = 4.0_dp*epsilon(1.0_dp)
-
-   !> Whether numbers of a recursion have come to rest
-   type :: settling_type
-      !> They have: they may be kept until a measurement is missing
-      logical :: settled = .false.
-      !> What they were when they were judged last, how far they had come
-      real(dp), allocatable :: judged(:, :)
-      real(dp) :: moved = 0.0_dp
-   end type settling_type
+   !> Relative distance from the steady gain at which the gain is taken as settled ...
+   real(dp), parameter :: settle_tolerance = 1.0e-13_dp
+   !> ... or, for slow filters, this in absolute terms (the recursion itself does not come nearer),
+   !> but never farther than this in relative ones
+   real(dp), parameter :: settle_rounding = 4.0_dp*epsilon(1.0_dp), settle_limit = 1.0e-9_dp
+   !> Below it a state without measurements is set to zero: no subnormal numbers in a long gap
+   real(dp), parameter :: vanished = 1.0e-290_dp
 
 contains
 
@@ -66,18 +64,23 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (model%count < 1 .or. model%count > most_components) then
-         call fatal_error(error, status%invalid_argument, "a drift model has one to three processes")
+         call fatal_error(error, status%invalid_argument, &
+            "a drift model has one to three processes")
          return
       end if
       associate (phi => model%phi(:model%count), q => model%q(:model%count))
          if (.not. (all(is_sample(phi)) .and. all(is_sample(q)) .and. is_sample(model%r))) then
-            call fatal_error(error, status%non_finite, "the coefficients and variances of a drift model must be finite numbers")
+            call fatal_error(error, status%non_finite, &
+               "the coefficients and variances of a drift model must be finite numbers")
          else if (any(abs(phi) > 1.0_dp) .or. any(phi <= -1.0_dp)) then
-            call fatal_error(error, status%unstable, "a coefficient of a drift model lies outside -1 < phi <= 1")
+            call fatal_error(error, status%unstable, &
+               "a coefficient of a drift model lies outside -1 < phi <= 1")
          else if (count(phi >= 1.0_dp) > 1) then
-            call fatal_error(error, status%invalid_argument, "a drift model has at most one random walk: two are not identifiable")
+            call fatal_error(error, status%invalid_argument, &
+               "a drift model has at most one random walk: two are not identifiable")
          else if (any(q < 0.0_dp) .or. model%r < 0.0_dp .or. .not. sum(q) + model%r > 0.0_dp) then
-            call fatal_error(error, status%invalid_argument, "the variances of a drift model must be >= 0, and not all zero")
+            call fatal_error(error, status%invalid_argument, &
+               "the variances of a drift model must be >= 0, and not all zero")
          end if
       end associate
    end subroutine check_components
@@ -121,7 +124,8 @@ contains
    !>
    !> $$ c = P \mathbf 1, \; S = \mathbf 1^T c + r, \; K = c/S, \; x \leftarrow x + K e, \;
    !>    P \leftarrow (I - K \mathbf 1^T) P (I - K \mathbf 1^T)^T + r K K^T $$
-   !> The first measurement of a random walk is its estimate; it has no innovation (`variance` is 0).
+   !> The first measurement of a random walk is its estimate; it has no innovation (`variance` is
+   !> 0).
    pure subroutine correct_components(n, r, z, state)
       !> Processes
       integer, intent(in) :: n
@@ -170,30 +174,14 @@ contains
       end do
    end subroutine correct_components
 
-   !> Judges numbers after so and so many measurements, always the same: the distance that is left is that of a geometric approach.
-   pure subroutine judge_settling(settling, numbers)
-      !> Fresh at the beginning and after a missing measurement
-      type(settling_type), intent(inout) :: settling
-      !> Those of a column are judged in units of their largest: [any, any], always the same
-      real(dp), intent(in) :: numbers(:, :)
-      real(dp) :: moved, ratio, scale
-      integer :: k
+   !> Distance from the steady gain K at which the gain has settled: at most 1e-12 of the
+   !> innovations is then seen in the output.
+   elemental real(dp) function settle_distance(steady_gain)
+      !> K, 0 ... 1
+      real(dp), intent(in) :: steady_gain
 
-      if (.not. allocated(settling%judged)) then
-         allocate (settling%judged(size(numbers, 1), size(numbers, 2)))
-         settling%judged(:, :) = numbers
-         return
-      end if
-      moved = 0.0_dp
-      do k = 1, size(numbers, 2)
-         scale = maxval(abs(numbers(:, k)))
-         if (scale > 0.0_dp) moved = max(moved, maxval(abs(numbers(:, k) - settling%judged(:, k)))/scale)
-      end do
-      ratio = 1.0_dp
-      if (settling%moved > 0.0_dp) ratio = min(1.0_dp, moved/settling%moved)
-      settling%settled = moved <= rounding .or. moved*ratio <= settled_distance*(1.0_dp - ratio)
-      settling%moved = moved
-      settling%judged(:, :) = numbers
-   end subroutine judge_settling
+      settle_distance = &
+         max(settle_tolerance*steady_gain, min(settle_rounding, settle_limit*steady_gain))
+   end function settle_distance
 
 end module gyroakf_filter_components

@@ -4,40 +4,45 @@ module gyroakf_filter_creation
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_filter_types, only : filter_options, filter_type
-   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, stationary_covariance, steady_state, &
-      & settle_column, shifted, long_order
+   use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, &
+      stationary_covariance, shifted
+   use gyroakf_filter_steady_gain, only : long_order, settle_column, steady_state
    use gyroakf_filter_sage_husa, only : consistency_factor
    use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
-   public :: new_filter, check_options, set_adaptation, shorten_burn_in, shortest_burn_in, longest_burn_in, burn_in_tolerance
+   public :: new_filter, check_options, set_adaptation, shorten_burn_in, shortest_burn_in, &
+      longest_burn_in, burn_in_tolerance
 
    !> Largest state
    integer, parameter :: largest_order = 1000
    !> b^(k+1) below this no longer changes the weight d_k
    real(dp), parameter :: weight_resolution = 1.0e-17_dp
-   !> Automatic burn-in: at least, at most so many measurements; relative distance from the steady gain
+   !> Automatic burn-in: at least, at most so many measurements; relative distance from the steady
+   !> gain
    integer, parameter :: shortest_burn_in = 20, longest_burn_in = 5000
    !> It takes at most one in so many samples of a record
    integer, parameter :: burn_in_share = 10
    real(dp), parameter :: burn_in_tolerance = 1.0e-6_dp
-   !> Gates in standard deviations: a smaller one sees nothing else, and R over its weight overflows; a larger one never acts
+   !> Gates in standard deviations: a smaller one sees nothing else, and R over its weight
+   !> overflows; a larger one never acts
    real(dp), parameter :: smallest_gate = 1.0e-3_dp, largest_gate = 1.0e6_dp
 
 contains
 
    !> Makes a filter from an AR(p) model and the variances of its noises.
    !>
-   !> The state starts at zero with the stationary covariance, or with `initial_variance` on the diagonal.
-   !> No coefficients at all (a white series) is the model of one coefficient that is zero: the filter then
-   !> only scales, x = K z with K = Q/(Q + R); there is nothing to predict.
+   !> The state starts at zero with the stationary covariance, or with `initial_variance` on the
+   !> diagonal. No coefficients at all (a white series) is the model of one coefficient that
+   !> is zero: the filter then only scales, x = K z with K = Q/(Q + R); there is nothing to predict.
    subroutine new_filter(filter, phi, q, r, options, error)
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> Coefficients, [p], p = 0 ... 1000, of a stationary series (p = 1 and `initial_variance` > 0: also 1, the random walk)
+      !> Coefficients, [p], p = 0 ... 1000, of a stationary series (p = 1 and
+      !> `initial_variance` > 0: also 1, the random walk)
       real(dp), intent(in) :: phi(:)
-      !> Variances Q of the driving and R of the measurement noise, unit of the series squared, >= 0, not both 0;
-      !> > 0 where adapted
+      !> Variances Q of the driving and R of the measurement noise, unit of the series squared, >=
+      !> 0, not both 0; > 0 where adapted
       real(dp), intent(in) :: q, r
       !> What is adapted, and how
       type(filter_options), intent(in) :: options
@@ -55,7 +60,8 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the state of the filter")
          return
       end if
-      allocate (filter%phi(n), filter%x(n), filter%gain(n), filter%gain_sum(n), filter%steady_gain(n), filter%work(n))
+      allocate (filter%phi(n), filter%x(n), filter%gain(n), filter%gain_sum(n), &
+         filter%steady_gain(n), filter%work(n))
       filter%order = n
       filter%options = options
       filter%phi = 0.0_dp
@@ -86,7 +92,6 @@ contains
 
    !> The arguments of new_filter, tested.
    subroutine check_numbers(phi, q, r, options, error)
-      !> As in new_filter
       real(dp), intent(in) :: phi(:), q, r
       type(filter_options), intent(in) :: options
       type(error_type), allocatable, intent(out) :: error
@@ -94,15 +99,20 @@ contains
 
       good = all(is_sample(phi)) .and. is_sample(q) .and. is_sample(r)
       if (.not. good) then
-         call fatal_error(error, status%non_finite, "a filter's coefficients and variances must be finite numbers")
+         call fatal_error(error, status%non_finite, &
+            "a filter's coefficients and variances must be finite numbers")
       else if (size(phi) > largest_order) then
          call fatal_error(error, status%invalid_argument, "the order of a filter is at most 1000")
       else if (q < 0.0_dp .or. r < 0.0_dp .or. .not. q + r > tiny(1.0_dp)) then
-         call fatal_error(error, status%invalid_argument, "a filter needs variances Q >= 0 and R >= 0, not both zero")
+         call fatal_error(error, status%invalid_argument, &
+            "a filter needs variances Q >= 0 and R >= 0, not both zero")
       else if (options%estimate_process_variance .and. .not. q > 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "Q must start above zero where it is adapted")
-      else if (options%estimate_measurement_variance .and. .not. max(r, options%r_scale) > 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "R, or the scale of its bounds, must be above zero where it is adapted")
+         call fatal_error(error, status%invalid_argument, &
+            "Q must start above zero where it is adapted")
+      else if (options%estimate_measurement_variance &
+         .and. .not. max(r, options%r_scale) > 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, &
+            "R, or the scale of its bounds, must be above zero where it is adapted")
       else
          call check_options(options, error)
       end if
@@ -115,25 +125,37 @@ contains
       !> invalid_argument, non_finite
       type(error_type), allocatable, intent(out) :: error
 
-      if (.not. (is_sample(options%r_scale) .and. is_sample(options%initial_variance) .and. is_sample(options%forgetting) &
+      if (.not. (is_sample(options%r_scale) .and. is_sample(options%initial_variance) &
+         .and. is_sample(options%forgetting) &
                  .and. is_sample(options%huber))) then
-         call fatal_error(error, status%non_finite, "the options of a filter must be finite numbers")
+         call fatal_error(error, status%non_finite, &
+            "the options of a filter must be finite numbers")
       else if (.not. (options%forgetting > 0.0_dp .and. options%forgetting <= 1.0_dp)) then
-         call fatal_error(error, status%invalid_argument, "the forgetting factor must lie in 0 < b <= 1")
-      else if (options%huber < 0.0_dp .or. options%initial_variance < 0.0_dp .or. options%r_scale < 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "the gate, the initial variance and the scale of R cannot be negative")
-      else if (options%huber > 0.0_dp .and. (options%huber < smallest_gate .or. options%huber > largest_gate)) then
-         call fatal_error(error, status%invalid_argument, "the gate must be 0 (none) or 0.001 to 1e6 standard deviations")
-      else if (.not. (all_ordered(options%q_lower, options%q_upper) .and. all_ordered(options%r_lower, options%r_upper))) then
-         call fatal_error(error, status%invalid_argument, "bounds of a variance must satisfy 0 < lower <= upper")
-      else if (options%estimate_process_mean .and. options%estimate_measurement_mean .and. .not. options%allow_unobservable) then
-         call fatal_error(error, status%invalid_argument, "the means q and r are not identifiable together: a constant offset "// &
+         call fatal_error(error, status%invalid_argument, &
+            "the forgetting factor must lie in 0 < b <= 1")
+      else if (options%huber < 0.0_dp .or. options%initial_variance < 0.0_dp &
+         .or. options%r_scale < 0.0_dp) then
+         call fatal_error(error, status%invalid_argument, &
+            "the gate, the initial variance and the scale of R cannot be negative")
+      else if (options%huber > 0.0_dp &
+         .and. (options%huber < smallest_gate .or. options%huber > largest_gate)) then
+         call fatal_error(error, status%invalid_argument, &
+            "the gate must be 0 (none) or 0.001 to 1e6 standard deviations")
+      else if (.not. (all_ordered(options%q_lower, options%q_upper) &
+         .and. all_ordered(options%r_lower, options%r_upper))) then
+         call fatal_error(error, status%invalid_argument, &
+            "bounds of a variance must satisfy 0 < lower <= upper")
+      else if (options%estimate_process_mean .and. options%estimate_measurement_mean &
+         .and. .not. options%allow_unobservable) then
+         call fatal_error(error, status%invalid_argument, &
+            "the means q and r are not identifiable together: a constant offset "// &
                           "may be in either; adapt one of them, or set allow_unobservable")
       else
          select case (options%measurement_form)
          case ("residual", "exact", "biased", "paper")
          case default
-            call fatal_error(error, status%invalid_argument, "unknown form of the adaptation of R: " &
+            call fatal_error(error, status%invalid_argument, &
+               "unknown form of the adaptation of R: " &
                              //trim(options%measurement_form)//" (residual, exact, biased, paper)")
          end select
       end if
@@ -141,14 +163,14 @@ contains
 
    !> Whether 0 < lower <= upper, both finite.
    pure logical function all_ordered(lower, upper)
-      !> The bounds
       real(dp), intent(in) :: lower, upper
 
       all_ordered = is_sample(lower) .and. is_sample(upper)
       if (all_ordered) all_ordered = lower > 0.0_dp .and. lower <= upper
    end function all_ordered
 
-   !> Flags, bounds and counters of the adaptation; Q and R that start beyond their bounds start at them.
+   !> Flags, bounds and counters of the adaptation; Q and R that start beyond their bounds start at
+   !> them.
    pure subroutine set_adaptation(filter)
       !> Its options, q and r are set
       type(filter_type), intent(inout) :: filter
@@ -158,13 +180,16 @@ contains
          filter%adaptive = options%estimate_process_mean .or. options%estimate_measurement_mean &
             .or. options%estimate_process_variance .or. options%estimate_measurement_variance
          filter%varying = filter%adaptive .or. options%huber > 0.0_dp
-         filter%by_residual = options%measurement_form == "residual" .or. options%measurement_form == "biased"
-         filter%by_posterior = options%measurement_form == "paper" .or. options%measurement_form == "biased"
+         filter%by_residual = options%measurement_form == "residual" &
+            .or. options%measurement_form == "biased"
+         filter%by_posterior = options%measurement_form == "paper" &
+            .or. options%measurement_form == "biased"
          scale = filter%r
          if (options%r_scale > 0.0_dp) scale = options%r_scale
          filter%q_bounds = filter%q*[options%q_lower, options%q_upper]
          filter%r_bounds = scale*[options%r_lower, options%r_upper]
-         if (options%estimate_measurement_variance) filter%r = min(max(filter%r, filter%r_bounds(1)), filter%r_bounds(2))
+         if (options%estimate_measurement_variance) filter%r = &
+            min(max(filter%r, filter%r_bounds(1)), filter%r_bounds(2))
          filter%weight = 1.0_dp
          filter%weight_updates = huge(1)
          if (options%forgetting < 1.0_dp) then
@@ -177,8 +202,8 @@ contains
       end associate
    end subroutine set_adaptation
 
-   !> Measurements until the gain is the steady one, with the R that the scale of its bounds suggests: a wrong R at the
-   !> start must not prolong the time that it is kept.
+   !> Measurements until the gain is the steady one, with the R that the scale of its
+   !> bounds suggests: a wrong R at the start must not prolong the time that it is kept.
    subroutine find_burn_in(filter, p, error)
       !> Its `wait` is set
       type(filter_type), intent(inout) :: filter
@@ -222,6 +247,7 @@ contains
 
       if (samples <= 0) return
       filter%wait = int(min(int(filter%wait, int64), samples/burn_in_share))
-      filter%options%burn_in = filter%wait                      ! that of the filter made again: saved, reset
+      ! that of the filter made again: saved, reset
+      filter%options%burn_in = filter%wait
    end subroutine shorten_burn_in
 end module gyroakf_filter_creation

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> The filters of the two families, made from a model: starts, bounds and scales in one place.
 !>
-!> The paper's family takes the AR(p) model of the series itself as the state and adds measurement noise to
-!> it: `design_kf`, `design_akf`. The recommended family takes drift plus white noise as identified from the
-!> record: `design_drift_kf`, `design_drift_akf`, with the model of `identify_drift_model` (random walk, AR(1), both).
+!> The paper's family takes the AR(p) model of the series itself as the state and adds measurement
+!> noise to it: `design_kf`, `design_akf`. The recommended family takes drift plus white noise as
+!> identified from the record: `design_drift_kf`, `design_drift_akf`, with the model of
+!> `identify_drift_model` (random walk, AR(1), both).
 module gyroakf_filter_design
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
@@ -18,10 +19,11 @@ module gyroakf_filter_design
    public :: design_options, design_kf, design_akf
    public :: drift_options, design_drift_kf, design_drift_akf, adaptive_drift
 
-   !> Bounds of Q in the paper's form, multiples of sigma_a^2. The form rests near 0.16 sigma_a^2 on an AR(1)
-   !> series, so they act only on series of another kind.
+   !> Bounds of Q in the paper's form, multiples of sigma_a^2. The form rests near 0.16 sigma_a^2 on
+   !> an AR(1) series, so they act only on series of another kind.
    real(dp), parameter :: paper_q_bounds(2) = [0.02_dp, 10.0_dp]
-   !> Its bounds of R: multiples of half the variance of the differences, and of the variance of the series
+   !> Its bounds of R: multiples of half the variance of the differences, and of the variance of the
+   !> series
    real(dp), parameter :: paper_r_lower = 0.05_dp, paper_r_upper = 10.0_dp
    !> Bounds of R in the robust form, multiples of half the variance of the differences
    real(dp), parameter :: robust_r_bounds(2) = [0.01_dp, 100.0_dp]
@@ -36,7 +38,8 @@ module gyroakf_filter_design
       real(dp) :: r_factor = 1.0_dp
       !> Forgetting factor b of the adaptive filter
       real(dp) :: forgetting = 0.98_dp
-      !> What it adapts: any subset of q, r, Q, R; "none"; blank: QR in the paper's form, R in the robust one
+      !> What it adapts: any subset of q, r, Q, R; "none"; blank: QR in the paper's form, R in the
+      !> robust one
       character(4) :: estimate = " "
       !> Gate in standard deviations; 0: the form's own (paper: none, robust: 2.5)
       real(dp) :: huber = 0.0_dp
@@ -52,10 +55,11 @@ module gyroakf_filter_design
 
 contains
 
-   !> The paper's fixed filter: Q the noise variance of the model, R = r_factor Var(z), the state stationary.
+   !> The paper's fixed filter: Q the noise variance of the model, R = r_factor Var(z), the state
+   !> stationary.
    !>
-   !> A model of order 0 (white series) gives the filter with one zero coefficient, the limit of a small
-   !> coefficient: x = K z, with K = 1/2 at r_factor 1.
+   !> A model of order 0 (white series) gives the filter with one zero coefficient, the limit of a
+   !> small coefficient: x = K z, with K = 1/2 at r_factor 1.
    subroutine design_kf(model, options, filter, error)
       !> AR model of the series, as fit_ar makes it
       type(ar_model_type), intent(in) :: model
@@ -63,8 +67,8 @@ contains
       type(design_options), intent(in) :: options
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> `constant_input`: the series has no variance; `unstable`: the model is not stationary, as least squares may give it;
-      !> `invalid_argument`: r_factor; those of new_filter
+      !> `constant_input`: the series has no variance; `unstable`: the model is not stationary, as
+      !> least squares may give it; `invalid_argument`: r_factor; those of new_filter
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: plain
 
@@ -74,24 +78,27 @@ contains
          call fatal_error(error, status%invalid_argument, "the factor of R must be above zero")
          return
       end if
-      call new_filter(filter, model%coefficient, model%noise_variance, options%r_factor*model%variance, plain, error)
+      call new_filter(filter, model%coefficient, model%noise_variance, &
+         options%r_factor*model%variance, plain, error)
    end subroutine design_kf
 
    !> The paper's adaptive filter, or the robust form in its place.
    !>
-   !> paper: Sage-Husa with the printed posterior in eq. (22), from Q = sigma_a^2, R = P = Var(z), x = 0.
-   !> robust: R only, by residuals, burn-in, Huber's gate, from the same start with the stationary covariance.
+   !> paper: Sage-Husa with the printed posterior in eq. (22), from Q = sigma_a^2, R = P = Var(z),
+   !> x = 0. robust: R only, by residuals, burn-in, Huber's gate, from the same start with the
+   !> stationary covariance.
    subroutine design_akf(model, difference_variance, options, filter, error)
       !> AR model of the series, as fit_ar makes it
       type(ar_model_type), intent(in) :: model
-      !> Variance of the series' differences: half of it is the scale of R's bounds; 0: the model's own
+      !> Variance of the series' differences: half of it is the scale of R's bounds; 0: the model's
+      !> own
       real(dp), intent(in) :: difference_variance
       !> Form, forgetting factor, what is adapted, gate
       type(design_options), intent(in) :: options
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> constant_input; unstable: the model is not stationary; invalid_argument: form, a letter of `estimate`; those of
-      !> new_filter
+      !> constant_input; unstable: the model is not stationary; invalid_argument: form, a letter of
+      !> `estimate`; those of new_filter
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: adaptive
 
@@ -118,10 +125,12 @@ contains
          call set_estimate(options%estimate, "R", adaptive, error)
       case default
          call fatal_error(error, status%invalid_argument, &
-                          "unknown form of the adaptive filter: "//trim(options%akf)//" (paper, robust)")
+                          "unknown form of the adaptive filter: "//trim(options%akf)// &
+                          " (paper, robust)")
       end select
       if (allocated(error)) return
-      call new_filter(filter, model%coefficient, model%noise_variance, model%variance, adaptive, error)
+      call new_filter(filter, model%coefficient, model%noise_variance, model%variance, adaptive, &
+         error)
       if (allocated(error)) return
       call shorten_burn_in(filter, model%samples)
    end subroutine design_akf
@@ -143,8 +152,8 @@ contains
 
    !> The adaptive filter of drift plus white noise: R only, by residuals, burn-in, Huber's gate.
    !>
-   !> The bounds of R hang on half the variance of the differences, never on the R it starts from: a wrong
-   !> start is forgotten.
+   !> The bounds of R hang on half the variance of the differences, never on the R it starts from: a
+   !> wrong start is forgotten.
    subroutine design_drift_akf(drift, difference_variance, options, filter, error)
       !> As identify_drift_model found it
       type(drift_identification_type), intent(in) :: drift
@@ -164,7 +173,8 @@ contains
       if (.not. allocated(error)) call shorten_burn_in(filter, drift%of_samples)
    end subroutine design_drift_akf
 
-   !> What an adaptive drift filter does; the smoother from both sides (`smooth_adaptive`) takes the same.
+   !> What an adaptive drift filter does; the smoother from both sides (`smooth_adaptive`) takes the
+   !> same.
    pure function adaptive_drift(options, scale) result(adaptive)
       !> Forgetting factor and gate
       type(drift_options), intent(in) :: options
@@ -183,7 +193,6 @@ contains
 
    !> Whether a series stands behind the model, and one that is stationary.
    subroutine check_model(model, error)
-      !> The model
       type(ar_model_type), intent(in) :: model
       !> invalid_argument, constant_input, unstable
       type(error_type), allocatable, intent(out) :: error
@@ -192,7 +201,8 @@ contains
       logical :: stable
 
       if (.not. allocated(model%coefficient)) then
-         call fatal_error(error, status%invalid_argument, "a filter is designed from a fitted AR model; this one is empty")
+         call fatal_error(error, status%invalid_argument, &
+            "a filter is designed from a fitted AR model; this one is empty")
       else if (.not. model%variance > 0.0_dp) then
          call fatal_error(error, status%constant_input, "a series without variance has no filter")
       end if
@@ -205,8 +215,10 @@ contains
          write (digits, "(f0.6)") largest_modulus(model%root)
          largest = ", its largest root has the modulus "//trim(digits)
       end if
-      call fatal_error(error, status%unstable, "the AR model ("//trim(model%method)//") is not stationary"//largest// &
-                       ": a filter of it would diverge; the methods yw and burg give stationary models")
+      call fatal_error(error, status%unstable, "the AR model ("//trim(model%method)// &
+         ") is not stationary"//largest// &
+                       ": a filter of it would diverge; "// &
+                       "the methods yw and burg give stationary models")
    end subroutine check_model
 
    !> Whether a drift was identified.
@@ -216,7 +228,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. drift%found) call fatal_error(error, status%invalid_argument, &
-                                              "no drift slower than the limit was identified: there is nothing to filter")
+         "no drift slower than the limit was identified: there is nothing to filter")
    end subroutine check_found
 
    !> Flags from letters.
@@ -235,7 +247,8 @@ contains
       chosen = letters
       if (letters == " ") chosen = usual
       if (letters == "none") return
-      options%allow_unobservable = .true.             ! who names q and r wants both; the warnings say what that means
+      ! who names q and r wants both; the warnings say what that means
+      options%allow_unobservable = .true.
       do i = 1, len_trim(chosen)
          select case (chosen(i:i))
          case ("q"); options%estimate_process_mean = .true.
@@ -245,7 +258,8 @@ contains
          case (" ")
          case default
             call fatal_error(error, status%invalid_argument, &
-                             "an adaptive filter estimates any of q, r, Q, R, not '"//chosen(i:i)//"'")
+                             "an adaptive filter estimates any of q, r, Q, R, not '"// &
+                             chosen(i:i)//"'")
             return
          end select
       end do

@@ -1,15 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> Block means of a drift in white noise are a drift in white noise: the models of samples and of means of m samples.
+!> Block means of a drift in white noise are a drift in white noise: the models of samples and of
+!> means of m samples.
 !>
-!> A random walk of steps q becomes one of steps m q, an AR(1) process of coefficient phi one of coefficient phi^m; what is left
-!> is white. With D the variance of the AR(1) process, for any lag l >= 1,
-!> $$ \gamma_l = D\,s^2 \phi^{ml}, \quad s = \frac{\sinh(m/2T)}{m\,\sinh(1/2T)}, \quad T = -1/\ln\phi, \quad
-!>    \gamma_0 = D\,V = \frac{D}{m} \left( \frac{1+\phi}{1-\phi} - \frac{2 \phi (1 - \phi^m)}{m (1-\phi)^2} \right) $$
+!> A random walk of steps q becomes one of steps m q, an AR(1) process of coefficient phi one of
+!> coefficient phi^m; what is left is white. With D the variance of the AR(1) process, for any lag
+!> l >= 1,
+!> $$ \gamma_l = D\,s^2 \phi^{ml}, \quad s = \frac{\sinh(m/2T)}{m\,\sinh(1/2T)}, \quad
+!>    T = -1/\ln\phi, \quad \gamma_0 = D\,V = \frac{D}{m} \left( \frac{1+\phi}{1-\phi}
+!>    - \frac{2 \phi (1 - \phi^m)}{m (1-\phi)^2} \right) $$
+
 !> and the white noise of the means is
 !> $$ R' = \frac{r}{m} + \sum_i D_i (V_i - s_i^2) - \frac{q}{6} \left( m - \frac1m \right) $$
 !> where a process much faster than a block enters with D V alone.
 !>
-!> Source: Working, Econometrica 28 (1960) 916-918, for the random walk; the others are sums of geometric series.
+!> Source: Working, Econometrica 28 (1960) 916-918, for the random walk; the others are sums of
+!> geometric series.
 module gyroakf_filter_drift_blocks
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -18,7 +23,8 @@ module gyroakf_filter_drift_blocks
    private
    public :: block_means, model_of_means, process_of_samples
 
-   !> Blocks a correlation time below which a process is white in the means: its correlation from mean to mean is below e^-20
+   !> Blocks a correlation time below which a process is white in the means: its correlation from
+   !> mean to mean is below e^-20
    real(dp), parameter :: white_below = 0.05_dp
 
 contains
@@ -77,7 +83,8 @@ contains
       type(component_model_type), intent(in) :: model
       !> Samples a mean, >= 1
       integer(int64), intent(in) :: m
-      !> Processes that are white in the means are not among its own; r is 0 where the exact white noise is negative
+      !> Processes that are white in the means are not among its own; r is 0 where the exact white
+      !> noise is negative
       type(component_model_type), intent(out) :: means
       real(dp) :: phi, width, variance, share, white
       integer :: i
@@ -92,7 +99,9 @@ contains
             cycle
          end if
          variance = model%q(i)/((1.0_dp - phi)*(1.0_dp + phi))
-         white = white + variance*((1.0_dp + phi)/(1.0_dp - phi) - 2.0_dp*phi*(1.0_dp - phi**m)/(width*(1.0_dp - phi)**2))/width
+         white = white &
+            + variance*((1.0_dp + phi)/(1.0_dp - phi) &
+            - 2.0_dp*phi*(1.0_dp - phi**m)/(width*(1.0_dp - phi)**2))/width
          if (phi <= 0.0_dp) cycle
          if (-1.0_dp/log(phi) < white_below*width) cycle
          share = share_of_means(phi, m)
@@ -117,10 +126,12 @@ contains
          return
       end if
       phi = exp(log(phi_means)/real(m, dp))
-      q = q_means/((1.0_dp - phi_means)*(1.0_dp + phi_means))*(1.0_dp - phi)*(1.0_dp + phi)/share_of_means(phi, m)**2
+      q = q_means/((1.0_dp - phi_means)*(1.0_dp + phi_means))*(1.0_dp - phi)*(1.0_dp &
+         + phi)/share_of_means(phi, m)**2
    end subroutine process_of_samples
 
-   !> s: the root of what the covariance of the means at a lag is over that of the samples between the middles of the blocks.
+   !> s: the root of what the covariance of the means at a lag is over that of the samples between
+   !> the middles of the blocks.
    pure real(dp) function share_of_means(phi, m) result(share)
       !> 0 < phi < 1
       real(dp), intent(in) :: phi

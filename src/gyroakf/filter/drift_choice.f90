@@ -1,19 +1,22 @@
 ! SPDX-License-Identifier: MIT
 !> Which of the fitted models is taken, and which of its processes are drift.
 !>
-!> AIC compares the models; what is drift is what is slower than a limit. Something slow is found where the best model is better
-!> than the best one without anything slow, white noise alone among them, by 8 of AIC, and its process is larger than its standard
-!> error. Of 300 records of white noise (2000 samples) one passes, of 300 of AR(1) noise with phi = 0.41 none, of 300 of AR(1) noise
-!> with phi = 0.6 in as much white noise none (`bench/filter_truth/run.sh alarms`).
+!> AIC compares the models; what is drift is what is slower than a limit. Something slow is found
+!> where the best model is better than the best one without anything slow, white noise alone among
+!> them, by 8 of AIC, and its process is larger than its standard error. Of 300 records of white
+!> noise (2000 samples) one passes, of 300 of AR(1) noise with phi = 0.41 none, of 300 of AR(1)
+!> noise with phi = 0.6 in as much white noise none (`bench/filter_truth/run.sh alarms`).
 !>
-!> Source: Akaike, IEEE Trans. Autom. Control 19 (1974) 716-723; Self & Liang, J. Am. Stat. Assoc. 82 (1987) 605-610 (the edge).
+!> Source: Akaike, IEEE Trans. Autom. Control 19 (1974) 716-723; Self & Liang, J. Am. Stat. Assoc.
+!> 82 (1987) 605-610 (the edge).
 module gyroakf_filter_drift_choice
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_components, only : component_model_type, most_components
    use gyroakf_filter_drift_fit, only : drift_candidate_type, drift_fit_type, is_slow
    implicit none (type, external)
    private
-   public :: drift_identification_options, drift_identification_type, choose_model, set_model, state_numbers, evident
+   public :: drift_identification_options, drift_identification_type, choose_model, set_model, &
+      state_numbers, evident
 
    !> What is asked for
    type :: drift_identification_options
@@ -27,28 +30,33 @@ module gyroakf_filter_drift_choice
    type :: drift_identification_type
       !> Something in the record is slower than the limit
       logical :: found = .false.
-      !> All processes, fast ones too, and white noise r: AR(1) processes first, a random walk last; no process where the series
-      !> is white
+      !> All processes, fast ones too, and white noise r: AR(1) processes first, a random walk last;
+      !> no process where the series is white
       type(component_model_type) :: model
       !> Which of them count as drift
       logical :: slow(most_components) = .false.
-      !> "walk", "ar1", "walk+ar1", "white": whether there is a random walk, whether there are AR(1) processes (one or two)
+      !> "walk", "ar1", "walk+ar1", "white": whether there is a random walk, whether there are AR(1)
+      !> processes (one or two)
       character(8) :: name = "white"
       !> Standard errors of phi, q and r, 0 where they are not known
       type(component_model_type) :: std_error
       logical :: errors_known = .false.
-      !> Of the slowest AR(1) process that counts as drift, samples; 0: a random walk alone, or nothing
+      !> Of the slowest AR(1) process that counts as drift, samples; 0: a random walk alone, or
+      !> nothing
       real(dp) :: correlation_samples = 0.0_dp
-      !> Standard deviation of the slow AR(1) processes, u; of a random walk alone that of a step, u per root of a sample
+      !> Standard deviation of the slow AR(1) processes, u; of a random walk alone that of a step, u
+      !> per root of a sample
       real(dp) :: drift_std = 0.0_dp
       !> Of the white noise, u
       real(dp) :: white_std = 0.0_dp
-      !> All that were fitted to the part, and which of them was chosen; 0: white noise, or a model from block means
+      !> All that were fitted to the part, and which of them was chosen; 0: white noise, or a model
+      !> from block means
       type(drift_candidate_type), allocatable :: candidate(:)
       integer :: chosen = 0
       !> Used by the likelihood (the middle of the record), of the record
       integer(int64) :: samples = 0, of_samples = 0
-      !> Samples a mean of those block means that the processes slower than two of them come from; 1: no block means
+      !> Samples a mean of those block means that the processes slower than two of them come
+      !> from; 1: no block means
       integer(int64) :: block = 1
       !> Of the model on the samples of the fit, as AIC counts it
       real(dp) :: log_likelihood = 0.0_dp
@@ -80,9 +88,9 @@ contains
       associate (best => fit%candidate(fit%best))
          call is_slow(best%model, limit, slow)
          slow = slow .and. best%model%q(:size(slow)) > 0.0_dp
+         if (best%errors_known) slow = slow .and. &
+                                       best%model%q(:size(slow)) > best%std_error%q(:size(slow))
          identification%found = any(slow) .and. best%aic < plain - evident
-         if (best%errors_known) identification%found = identification%found .and. &
-                                                       any(slow .and. best%model%q(:size(slow)) > best%std_error%q(:size(slow)))
       end associate
       identification%chosen = merge(fit%best, fast, identification%found)
       if (identification%chosen == 0) then
@@ -138,9 +146,11 @@ contains
          do i = 1, model%count
             if (.not. identification%slow(i) .or. model%phi(i) >= 1.0_dp) cycle
             variance = variance + model%q(i)/((1.0_dp - model%phi(i))*(1.0_dp + model%phi(i)))
-            identification%correlation_samples = max(identification%correlation_samples, -1.0_dp/log(model%phi(i)))
+            identification%correlation_samples = &
+               max(identification%correlation_samples, -1.0_dp/log(model%phi(i)))
          end do
-         if (identification%correlation_samples <= 0.0_dp) variance = sum(model%q, mask=identification%slow)
+         if (identification%correlation_samples <= 0.0_dp) variance = &
+            sum(model%q, mask=identification%slow)
       end associate
       identification%drift_std = sqrt(variance)
    end subroutine state_numbers

@@ -1,22 +1,27 @@
 ! SPDX-License-Identifier: MIT
-!> A filter is made whose output is the drift: a random walk, AR(1) processes, or both, in white noise.
+!> A filter is made whose output is the drift: a random walk, AR(1) processes, or both, in white
+!> noise.
 !>
 !>     call new_drift_filter(filter, model, slow, options, error)
 !>     do k = 1, n
-!>        call step_filter(filter, z(k), drift)      ! real time: no allocation; NaN z: no measurement
+!>        call step_filter(filter, z(k), drift)   ! no allocation; NaN: no measurement
+
 !>     end do
 !>
 !> $$ x_{i,k} = \phi_i x_{i,k-1} + w_{i,k}, \quad z_k = \sum_i x_{i,k} + v_k, \quad
 !>    \mathrm{Var}\,w_i = q_i, \quad \mathrm{Var}\,v = R, \quad b_k = \sum_{i\,slow} x_{i,k} $$
-!> What is filtered is the model; what counts as drift is the caller's word: fast processes are noise with a memory. Only R is
-!> adapted: of Q and R together the innovations show the sum, and a Q that follows them takes a louder sensor for a faster drift.
+!> What is filtered is the model; what counts as drift is the caller's word: fast processes are
+!> noise with a memory. Only R is adapted: of Q and R together the innovations show the sum, and a Q
+!> that follows them takes a louder sensor for a faster drift.
 module gyroakf_filter_drift_filter
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, check_components, &
+   use gyroakf_filter_components, only : component_model_type, component_state_type, &
+      most_components, check_components, &
       start_components, predict_components, correct_components
-   use gyroakf_filter_creation, only : check_options, set_adaptation, shortest_burn_in, longest_burn_in, burn_in_tolerance
+   use gyroakf_filter_creation, only : check_options, set_adaptation, shortest_burn_in, &
+      longest_burn_in, burn_in_tolerance
    use gyroakf_filter_drift_steady, only : steady_drift_gain
    use gyroakf_filter_drift_step, only : show_drift
    use gyroakf_filter_filter_types, only : filter_options, filter_type
@@ -28,8 +33,9 @@ contains
 
    !> Makes a drift filter.
    !>
-   !> A random walk is not known before its first measurement, which sets it and has no innovation; the other processes begin
-   !> stationary. With `initial_variance` all of them, the walk too, begin at 0 with that variance.
+   !> A random walk is not known before its first measurement, which sets it and has no innovation;
+   !> the other processes begin stationary. With `initial_variance` all of them, the walk too, begin
+   !> at 0 with that variance.
    subroutine new_drift_filter(filter, model, slow, options, error)
       !> The filter; `step_filter`, `run_filter`, `freeze_filter` and `filter_series` work on it
       type(filter_type), intent(out) :: filter
@@ -37,9 +43,11 @@ contains
       type(component_model_type), intent(in) :: model
       !> Which processes are the drift, [count], one at least
       logical, intent(in) :: slow(:)
-      !> Only `estimate_measurement_variance` may be set; forms residual, exact, biased; the bounds of Q do not count
+      !> Only `estimate_measurement_variance` may be set; forms residual, exact, biased; the bounds
+      !> of Q do not count
       type(filter_options), intent(in) :: options
-      !> invalid_argument, non_finite, unstable (the model); not_converged, singular (its steady gain)
+      !> invalid_argument, non_finite, unstable (the model); not_converged, singular (its steady
+      !> gain)
       type(error_type), allocatable, intent(out) :: error
       integer :: i
 
@@ -47,10 +55,12 @@ contains
       if (.not. allocated(error)) call check_options(options, error)
       if (.not. allocated(error)) call check_drift_options(model, slow, options, error)
       if (allocated(error)) return
-      allocate (filter%phi(1), filter%x(1), filter%p(1, 1), filter%gain(1), filter%gain_sum(1), filter%steady_gain(1), &
+      allocate (filter%phi(1), filter%x(1), filter%p(1, 1), filter%gain(1), filter%gain_sum(1), &
+         filter%steady_gain(1), &
                 filter%work(1))
       filter%order = 1
-      filter%drift_model%count = model%count                      ! what is beyond the count is anything
+      ! what is beyond the count is anything
+      filter%drift_model%count = model%count
       filter%drift_model%phi(:model%count) = model%phi(:model%count)
       filter%drift_model%q(:model%count) = model%q(:model%count)
       filter%drift_model%r = model%r
@@ -72,8 +82,10 @@ contains
          filter%drift_state%started = .true.
       end if
       call show_drift(filter)
-      if (.not. (all(ieee_is_finite(filter%drift_state%p)) .and. ieee_is_finite(filter%p(1, 1)))) then
-         call fatal_error(error, status%non_finite, "the variances of a drift filter overflow: those of the model, and the "// &
+      if (.not. (all(ieee_is_finite(filter%drift_state%p)) &
+         .and. ieee_is_finite(filter%p(1, 1)))) then
+         call fatal_error(error, status%non_finite, &
+            "the variances of a drift filter overflow: those of the model, and the "// &
                           "initial one, are too far apart")
          return
       end if
@@ -90,18 +102,24 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (size(slow) /= model%count) then
-         call fatal_error(error, status%invalid_argument, "a drift filter needs a word for each process: drift or not")
+         call fatal_error(error, status%invalid_argument, &
+            "a drift filter needs a word for each process: drift or not")
       else if (.not. any(slow)) then
-         call fatal_error(error, status%invalid_argument, "no process of the model counts as drift: there is nothing to filter")
-      else if (options%estimate_process_variance .or. options%estimate_process_mean .or. options%estimate_measurement_mean) then
-         call fatal_error(error, status%invalid_argument, "a drift filter adapts R only: Q beside it is not identifiable, "// &
+         call fatal_error(error, status%invalid_argument, &
+            "no process of the model counts as drift: there is nothing to filter")
+      else if (options%estimate_process_variance .or. options%estimate_process_mean &
+         .or. options%estimate_measurement_mean) then
+         call fatal_error(error, status%invalid_argument, &
+            "a drift filter adapts R only: Q beside it is not identifiable, "// &
                           "and a mean of the noise is the drift")
       else if (options%measurement_form == "paper") then
-         call fatal_error(error, status%invalid_argument, "a drift filter adapts R in the forms residual, exact and biased")
+         call fatal_error(error, status%invalid_argument, &
+            "a drift filter adapts R in the forms residual, exact and biased")
       end if
    end subroutine check_drift_options
 
-   !> Half the variance of the differences of a series of the model: $$ R + \sum_i \frac{q_i}{1 + \phi_i} $$
+   !> Half the variance of the differences of a series of the model:
+   !> $$ R + \sum_i \frac{q_i}{1 + \phi_i} $$
    pure real(dp) function difference_scale(model) result(scale)
       !> Checked
       type(component_model_type), intent(in) :: model
@@ -109,8 +127,8 @@ contains
       scale = model%r + sum(model%q(:model%count)/(1.0_dp + model%phi(:model%count)))
    end function difference_scale
 
-   !> Steady gain, and the burn-in where it is automatic: with the R that the bounds' scale suggests, for a wrong R at the start
-   !> must not prolong the time that it is kept.
+   !> Steady gain, and the burn-in where it is automatic: with the R that the bounds' scale
+   !> suggests, for a wrong R at the start must not prolong the time that it is kept.
    subroutine find_steady(filter, error)
       !> Its steady gain and `wait` are set
       type(filter_type), intent(inout) :: filter

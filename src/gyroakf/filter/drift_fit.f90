@@ -5,23 +5,25 @@
 !> by the BFGS method to the exact Gaussian likelihood ([[gyroakf_filter_likelihood]]) in the
 !> logarithms of the variances (of the AR(1) process itself, not of its driving noise) and
 !> artanh(phi), from several starts, the best of the models that it contains among them
-!> ([[gyroakf_filter_drift_starts]]); the curvature at the best of their ends gives the last steps and
-!> the standard errors. A variance that the likelihood does not tell from 0 is 0.
+!> ([[gyroakf_filter_drift_starts]]); the curvature at the best of their ends gives the last steps
+!> and the standard errors. A variance that the likelihood does not tell from 0 is 0.
 !> $$ \mathrm{AIC} = -2 \ln L + 2 k, \quad \mathrm{BIC} = -2 \ln L + k \ln n $$
-!> with k variances and coefficients, and the mean where no random walk takes its place. What counts as drift is not theirs to say:
-!> it is what is slower than a limit that the user sets.
+!> with k variances and coefficients, and the mean where no random walk takes its place. What counts
+!> as drift is not theirs to say: it is what is slower than a limit that the user sets.
 !>
-!> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3; Harvey, Forecasting, Structural Time
-!> Series Models and the Kalman Filter (1989), 4.5.
+!> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3;
+!> Harvey, Forecasting, Structural Time Series Models and the Kalman Filter (1989), 4.5.
 module gyroakf_filter_drift_fit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
+   use gyroakf_quasi_newton, only : minimum_type
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_objective, only : likelihood_objective, give_errors, invert_curvature, model_of, parameters_of, value_at
-   use gyroakf_filter_drift_starts, only : from_ar, from_walk, known_type, list_starts, of_all_kinds
+   use gyroakf_filter_drift_objective, only : give_errors, likelihood_objective, model_of, &
+      parameters_of
+   use gyroakf_filter_drift_search, only : finish, search
+   use gyroakf_filter_drift_starts, only : known_type
    implicit none (type, external)
    private
    public :: drift_fit_type, drift_candidate_type, fit_drift, is_slow
@@ -30,8 +32,9 @@ module gyroakf_filter_drift_fit
    type :: drift_candidate_type
       !> "walk", "ar1" or "walk+ar1"
       character(8) :: name = ""
-      !> The process AR(1) first, the random walk last; q is 0 where the likelihood does not tell it from that: a random walk
-      !> without steps is an unknown constant, an AR(1) process without variance is not there
+      !> The process AR(1) first, the random walk last; q is 0 where the likelihood does not tell it
+      !> from that: a random walk without steps is an unknown constant, an AR(1) process without
+      !> variance is not there
       type(component_model_type) :: model
       !> Standard errors of phi, q and r; 0 where `errors_known` is false, and for what is 0
       type(component_model_type) :: std_error
@@ -40,8 +43,8 @@ module gyroakf_filter_drift_fit
       integer :: parameters = 0
       !> Of the series in u; with a random walk its first sample is given, not measured
       real(dp) :: log_likelihood = 0.0_dp
-      !> Of the series in standard deviations, plus 2 n ln of that: the diffuse start of the random walk has no density in u,
-      !> and its likelihood a power of u more than that of the others
+      !> Of the series in standard deviations, plus 2 n ln of that: the diffuse start of the random
+      !> walk has no density in u, and its likelihood a power of u more than that of the others
       real(dp) :: aic = 0.0_dp, bic = 0.0_dp
       !> A maximum was found
       logical :: converged = .false.
@@ -63,25 +66,11 @@ module gyroakf_filter_drift_fit
 
    !> Samples used of a huge record (half a second), and fewest
    integer(int64), parameter :: most_samples = 131072, fewest_samples = 50
-   !> Slope of the log-likelihood of a sample that is flat; most steps of a search, and of its end: two or three
-   !> are enough, more would follow the long ridges of models that the series does not tell apart
-   real(dp), parameter :: flat = 1.0e-8_dp
-   integer, parameter :: most_iterations = 40, last_steps = 6
-   !> Log-likelihood that is not worth a step: of a search (the parameters are then
-   !> within 5 % of their errors), of the last steps (5e-4)
-   real(dp), parameter :: nearly = 1.0e-3_dp, exactly = 1.0e-7_dp
-   !> Distance of the minimum in standard errors from which Newton's steps lead there, and most of them: with a curvature from
-   !> farther away each divides the distance by 2 or more, with that of the place by 1e3
-   real(dp), parameter :: close_by = 0.1_dp
-   integer, parameter :: most_settling = 8
-   !> Log-likelihood that makes no difference between a variance and 0
-   real(dp), parameter :: indistinct = 1.0e-2_dp
-   !> Groups whose best starts are followed to their end, the two best of the first
-   integer, parameter :: followed(4) = [of_all_kinds, of_all_kinds, from_walk, from_ar]
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
    !> The candidates and their processes
    character(8), parameter :: names(3) = [character(8) :: "walk", "ar1", "walk+ar1"]
-   logical, parameter :: with_walk(3) = [.true., .false., .true.], with_ar(3) = [.false., .true., .true.]
+   logical, parameter :: with_walk(3) = [.true., .false., .true.], with_ar(3) = &
+      [.false., .true., .true.]
 
 contains
 
@@ -91,7 +80,8 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       !> What was found
       type(drift_fit_type), intent(out) :: fit
-      !> too_few_samples, constant_input, no_memory, cancelled, not_converged (no candidate has a top)
+      !> too_few_samples, constant_input, no_memory, cancelled, not_converged (no candidate has a
+      !> top)
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -128,7 +118,8 @@ contains
       if (allocated(objective%cancelled)) then
          call move_alloc(objective%cancelled, error)
       else if (fit%best == 0) then
-         call fatal_error(error, status%not_converged, "no drift model has a maximum likelihood estimate for this series")
+         call fatal_error(error, status%not_converged, &
+            "no drift model has a maximum likelihood estimate for this series")
       end if
    end subroutine fit_drift
 
@@ -150,7 +141,8 @@ contains
       allocate (objective%z(n), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (objective%here(n), stat=stat)
       if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the part of a series that a drift is identified from")
+         call fatal_error(error, status%no_memory, &
+            "no memory for the part of a series that a drift is identified from")
          return
       end if
       objective%z(:) = x(fit%first:fit%first + n - 1)
@@ -163,7 +155,8 @@ contains
       end if
       objective%measurements = fit%measurements
       if (fit%measurements < fewest_samples) then
-         call fatal_error(error, status%too_few_samples, "a drift is identified from at least 50 present samples")
+         call fatal_error(error, status%too_few_samples, &
+            "a drift is identified from at least 50 present samples")
          return
       end if
       call centre(objective, fit%mean, scale)
@@ -175,7 +168,8 @@ contains
          call fatal_error(error, status%constant_input, "a series without variance has no drift")
       else
          objective%z = objective%z/scale
-         fit%white_aic = real(fit%measurements, dp)*(log_two_pi + 1.0_dp + log(fit%variance)) + 4.0_dp
+         fit%white_aic = real(fit%measurements, dp)*(log_two_pi + 1.0_dp + log(fit%variance)) &
+            + 4.0_dp
       end if
    end subroutine take_part
 
@@ -195,7 +189,8 @@ contains
          return
       end if
       offset = objective%z(findloc(objective%here /= 0_int8, .true., dim=1))
-      mean = sum(objective%z - offset, mask=objective%here /= 0_int8)/real(objective%measurements, dp) + offset
+      mean = sum(objective%z - offset, mask=objective%here /= 0_int8)/real(objective%measurements, &
+         dp) + offset
       do k = 1, size(objective%z, kind=int64)
          if (objective%here(k) /= 0_int8) objective%z(k) = objective%z(k) - mean
       end do
@@ -220,7 +215,8 @@ contains
 
       call search(objective, known, minimum)
       if (.not. allocated(minimum%parameter)) then
-         call fatal_error(error, status%not_converged, "the likelihood of the drift model '"//trim(name)//"' has no maximum")
+         call fatal_error(error, status%not_converged, "the likelihood of the drift model '"// &
+            trim(name)//"' has no maximum")
          return
       end if
       allocate (inverse(size(minimum%parameter), size(minimum%parameter)))
@@ -232,148 +228,17 @@ contains
       found%converged = minimum%converged
       found%parameters = parameters_of(objective) + merge(0, 1, objective%walk)
       found%log_likelihood = -minimum%value*real(objective%measurements, dp) - &
-                             real(objective%measurements - merge(1, 0, objective%walk), dp)*log(scale)
+                             real(objective%measurements - merge(1, 0, objective%walk), &
+                             dp)*log(scale)
       deviance = 2.0_dp*real(objective%measurements, dp)*(minimum%value + log(scale))
       found%aic = deviance + 2.0_dp*found%parameters
       found%bic = deviance + log(real(objective%measurements, dp))*found%parameters
-      if (found%errors_known) call give_errors(objective, minimum%parameter, inverse, scale, model, found%std_error)
+      if (found%errors_known) call give_errors(objective, minimum%parameter, inverse, scale, &
+         model, found%std_error)
       found%model = model
       found%model%q = scale**2*model%q
       found%model%r = scale**2*model%r
    end subroutine fit_candidate
-
-   !> The best of the ends of the best starts, nearly.
-   subroutine search(objective, known, minimum)
-      type(likelihood_objective), intent(inout) :: objective
-      type(known_type), intent(in) :: known
-      !> Without parameters where there is none
-      type(minimum_type), intent(out) :: minimum
-      type(minimum_type) :: other
-      type(error_type), allocatable :: failed
-      real(dp), allocatable :: start(:, :), value(:)
-      integer, allocatable :: group(:)
-      real(dp) :: worth
-      integer :: k, first
-
-      worth = nearly/real(objective%measurements, dp)
-      objective%nothing = .false.
-      call list_starts(objective, known, start, group)
-      allocate (value(size(start, 2)))
-      do k = 1, size(value)
-         value(k) = value_at(objective, start(:, k))
-      end do
-      do k = 1, size(followed)
-         first = minloc(value, dim=1, mask=group == followed(k))
-         if (first == 0) cycle
-         group(first) = 0
-         call minimise(objective, start(:, first), minimise_options(flat, most_iterations, worth, worth), other, failed)
-         if (allocated(failed)) cycle
-         if (.not. allocated(minimum%parameter)) minimum = other
-         if (other%value < minimum%value) minimum = other
-      end do
-   end subroutine search
-
-   !> The last steps, with the curvature. Where it has no inverse, or they do not end, the search goes on; what it does not tell
-   !> from 0 is dropped.
-   subroutine finish(objective, minimum, inverse, known)
-      type(likelihood_objective), intent(inout) :: objective
-      !> Nearly a minimum; that minimum afterwards
-      type(minimum_type), intent(inout) :: minimum
-      !> Covariance of the parameters
-      real(dp), intent(out) :: inverse(:, :)
-      !> False where the curvature is not that of a maximum of the likelihood
-      logical, intent(out) :: known
-      real(dp) :: n
-      logical :: settled, dropped
-
-      n = real(objective%measurements, dp)
-      call invert_curvature(objective, minimum%parameter, inverse, known)
-      if (known) call go_on(objective, last_steps, minimum, n*inverse)
-      settled = known .and. minimum%converged
-      if (.not. settled) call go_on(objective, most_iterations, minimum)
-      call drop_nothing(objective, minimum, dropped)
-      if (.not. settled .or. dropped) then
-         call invert_curvature(objective, minimum%parameter, inverse, known)
-         if (known) call go_on(objective, last_steps, minimum, n*inverse)
-      end if
-      if (.not. known) return
-      call settle(objective, inverse, minimum)
-      call invert_curvature(objective, minimum%parameter, inverse, known)
-      if (known) call settle(objective, inverse, minimum)
-   end subroutine finish
-
-   !> Newton's steps to where the slope is its own rounding: a model then depends on the series alone, not on the way of the search,
-   !> which the order of a sum may change.
-   subroutine settle(objective, inverse, minimum)
-      type(likelihood_objective), intent(inout) :: objective
-      !> Covariance of the parameters
-      real(dp), intent(in) :: inverse(:, :)
-      !> Nearly a minimum; that minimum afterwards
-      type(minimum_type), intent(inout) :: minimum
-      real(dp), dimension(size(minimum%parameter)) :: move, there, gradient
-      real(dp) :: distance, n, value
-      logical :: feasible
-      integer :: step
-
-      n = real(objective%measurements, dp)
-      move = -n*matmul(inverse, minimum%gradient)
-      distance = -n*dot_product(move, minimum%gradient)
-      if (distance > close_by**2) return
-      do step = 1, most_settling
-         there = minimum%parameter + move
-         call objective%evaluate(there, value, gradient, feasible)
-         if (.not. feasible) exit
-         move = -n*matmul(inverse, gradient)
-         if (-n*dot_product(move, gradient) >= distance) exit          ! it falls no more
-         distance = -n*dot_product(move, gradient)
-         minimum%parameter = there
-         minimum%gradient = gradient
-         minimum%value = value
-      end do
-   end subroutine settle
-
-   !> Goes on from a point that is nearly a minimum.
-   subroutine go_on(objective, steps, minimum, inverse)
-      type(likelihood_objective), intent(inout) :: objective
-      !> So many at most
-      integer, intent(in) :: steps
-      type(minimum_type), intent(inout) :: minimum
-      !> Inverse of the curvature, where it is known
-      real(dp), intent(in), optional :: inverse(:, :)
-      type(minimum_type) :: other
-      type(error_type), allocatable :: failed
-      real(dp) :: worth
-
-      worth = exactly/real(objective%measurements, dp)
-      call minimise(objective, minimum%parameter, minimise_options(flat, steps, worth, worth), other, failed, inverse)
-      if (allocated(failed)) return
-      if (other%value <= minimum%value) minimum = other
-   end subroutine go_on
-
-   !> Makes variances 0 that the likelihood does not tell from it. Their logarithms go down for ever, to a limit that says nothing;
-   !> at 0 they are at the edge of what there is, and the others have errors as if they were not in the model.
-   subroutine drop_nothing(objective, minimum, dropped)
-      !> Its `nothing` is set
-      type(likelihood_objective), intent(inout) :: objective
-      !> A minimum; its value and gradient are those without what is dropped
-      type(minimum_type), intent(inout) :: minimum
-      !> There are such variances
-      logical, intent(out) :: dropped
-      real(dp) :: most, value
-      integer :: k
-      logical :: feasible
-
-      most = minimum%value + indistinct/real(objective%measurements, dp)
-      do k = merge(2, 1, objective%ar), size(minimum%parameter)
-         objective%nothing(k) = .true.
-         if (value_at(objective, minimum%parameter) > most) objective%nothing(k) = .false.
-      end do
-      if (objective%ar) objective%nothing(1) = objective%nothing(2)
-      dropped = any(objective%nothing)
-      if (.not. dropped) return
-      call objective%evaluate(minimum%parameter, value, minimum%gradient, feasible)
-      if (feasible) minimum%value = value
-   end subroutine drop_nothing
 
    !> Which processes of a model are slower than a limit: a random walk is.
    pure subroutine is_slow(model, limit, slow)

@@ -2,14 +2,18 @@
 !> The drift of a record and its white noise, identified from the record itself.
 !>
 !>     call identify_drift_model(z, drift_identification_options(), identification, error)
-!>     if (identification%found) call new_drift_filter(filter, identification%model, identification%slow(:count), options, error)
+!>     if (identification%found) call new_drift_filter(filter, identification%model, &
+!>        identification%slow(:identification%model%count), options, error)
+
 !>
-!> The candidates of [[fit_drift]] (random walk, AR(1), both, each with white noise) are fitted to the middle part of the record and
-!> compared ([[gyroakf_filter_drift_choice]]). A drift whose correlation time is beyond that part is sought in block means of the
-!> whole record, of a power of four samples each, at most 32,768 of them: their model is of the same kind
-!> ([[gyroakf_filter_drift_blocks]]). Where the means have a model with processes slower than two blocks that is better by 8 of AIC
-!> than what the model of the part says of them, those processes take the place of all that are as slow in the part's model;
-!> faster ones and the white noise remain.
+!> The candidates of [[fit_drift]] (random walk, AR(1), both, each with white noise) are fitted to
+!> the middle part of the record and compared ([[gyroakf_filter_drift_choice]]). A drift whose
+!> correlation time is beyond that part is sought in block means of the whole record, of a power of
+!> four samples each, at most 32,768 of them: their model is of the same kind
+!> ([[gyroakf_filter_drift_blocks]]). Where the means have a model with processes slower than two
+!> blocks that is better by 8 of AIC than what the model of the part says of them, those processes
+!> take the place of all that are as slow in the part's model; faster ones and the white noise
+!> remain.
 !>
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.3, 7.4.
 module gyroakf_filter_drift_identification
@@ -19,7 +23,8 @@ module gyroakf_filter_drift_identification
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : block_means, model_of_means, process_of_samples
-   use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, drift_identification_type, evident, &
+   use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, &
+      drift_identification_type, evident, &
       set_model, state_numbers
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
    use gyroakf_filter_likelihood, only : component_likelihood
@@ -41,7 +46,8 @@ module gyroakf_filter_drift_identification
       integer(int64) :: width = 0
       !> [n/width]
       real(dp), allocatable :: value(:)
-      !> 1 present, 0 where more than half of the samples are missing; not allocated where all are present
+      !> 1 present, 0 where more than half of the samples are missing; not allocated where all are
+      !> present
       integer(int8), allocatable :: present(:)
    end type block_means_type
 
@@ -55,8 +61,8 @@ contains
       type(drift_identification_options), intent(in) :: options
       !> What was found
       type(drift_identification_type), intent(out) :: identification
-      !> invalid_argument (options), too_few_samples, constant_input, non_finite (variances that overflow), no_memory,
-      !> not_converged, cancelled
+      !> invalid_argument (options), too_few_samples, constant_input, non_finite (variances that
+      !> overflow), no_memory, not_converged, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -82,7 +88,8 @@ contains
       identification%samples = fit%samples
       identification%of_samples = length
       if (.not. ieee_is_finite(identification%model%r)) then
-         call fatal_error(error, status%non_finite, "the samples are too large: the variances of the drift are not finite numbers")
+         call fatal_error(error, status%non_finite, &
+            "the samples are too large: the variances of the drift are not finite numbers")
          return
       end if
       call state_numbers(identification)
@@ -94,13 +101,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. (options%drift_samples > 0.0_dp .and. options%drift_samples <= huge(1.0_dp))) then
-         call fatal_error(error, status%invalid_argument, "the correlation time from which a process is drift must be positive")
+         call fatal_error(error, status%invalid_argument, &
+            "the correlation time from which a process is drift must be positive")
       else if (options%most < 50) then
-         call fatal_error(error, status%invalid_argument, "the likelihood of a drift model needs a part of at least 50 samples")
+         call fatal_error(error, status%invalid_argument, &
+            "the likelihood of a drift model needs a part of at least 50 samples")
       end if
    end subroutine check_options
 
-   !> Looks in block means of a record that is longer than the part for what is slower than the part shows.
+   !> Looks in block means of a record that is longer than the part for what is slower than the part
+   !> shows.
    subroutine identify_from_means(z, fit, limit, share, identification, error, valid)
       real(dp), intent(in), contiguous :: z(:)
       !> Of the part
@@ -127,7 +137,9 @@ contains
       share%share = 1.0_dp - part_share
       call fit_drift(means%value, coarse, failed, means%present, progress=share)
       if (allocated(failed)) then
-         if (failed%code == status%cancelled .or. failed%code == status%no_memory) call move_alloc(failed, error)
+         if (failed%code == status%cancelled .or. failed%code == status%no_memory) then
+            call move_alloc(failed, error)
+         end if
          return                                     ! too few means: the part says it all
       end if
       call choose_model(coarse, resolved, slow)
@@ -156,7 +168,8 @@ contains
       call block_means(z, means%width, means%value, means%present, error, valid)
    end subroutine take_block_means
 
-   !> The processes of the part that are faster than two blocks, those of the means that are not, the white noise of the part.
+   !> The processes of the part that are faster than two blocks, those of the means that are not,
+   !> the white noise of the part.
    subroutine take_means(slow, m, identification, model)
       !> Of the means
       type(drift_identification_type), intent(in) :: slow
@@ -216,12 +229,14 @@ contains
       value = 0.0_dp
       if (model%count == 0) then
          if (.not. model%r > 0.0_dp) return
-         value = -0.5_dp*real(fit%measurements, dp)*(log_two_pi + log(model%r) + fit%variance/model%r)
+         value = -0.5_dp*real(fit%measurements, dp)*(log_two_pi + log(model%r) &
+            + fit%variance/model%r)
          return
       end if
       allocate (part(fit%samples), stat=stat)
       if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the part of a series that a drift is identified from")
+         call fatal_error(error, status%no_memory, &
+            "no memory for the part of a series that a drift is identified from")
          return
       end if
       part(:) = z(fit%first:fit%first + fit%samples - 1)
@@ -231,7 +246,8 @@ contains
       scaled%q = model%q/scale/scale
       scaled%r = model%r/scale/scale
       if (present(valid)) then
-         call component_likelihood(scaled, part, value, error, valid(fit%first:fit%first + fit%samples - 1))
+         call component_likelihood(scaled, part, value, error, &
+            valid(fit%first:fit%first + fit%samples - 1))
       else
          call component_likelihood(scaled, part, value, error)
       end if

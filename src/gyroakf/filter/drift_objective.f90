@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> The exact likelihood of a drift model as a function to be minimized, and the standard errors from its curvature.
+!> The exact likelihood of a drift model as a function to be minimized, and the standard errors from
+!> its curvature.
 !>
-!> The parameters are artanh(phi) and ln D of the AR(1) process (its own variance, not that of its driving noise), ln q of the
-!> random walk, ln r, for a series of variance 1. The value is minus the log-likelihood of a sample on average.
+!> The parameters are artanh(phi) and ln D of the AR(1) process (its own variance, not that of its
+!> driving noise), ln q of the random walk, ln r, for a series of variance 1. The value is minus the
+!> log-likelihood of a sample on average.
 module gyroakf_filter_drift_objective
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, status
@@ -43,7 +45,8 @@ module gyroakf_filter_drift_objective
       integer(int64) :: measurements = 0
       !> Progress of the fit; its `whole` is valid while the fit is made
       type(progress_share_type) :: progress
-      !> Candidates done and all of them, evaluations for this one; cancelled where the caller wants no more
+      !> Candidates done and all of them, evaluations for this one; cancelled where the caller wants
+      !> no more
       integer :: done = 0, candidates = 1, evaluations = 0
       type(error_type), allocatable :: cancelled
    contains
@@ -52,8 +55,9 @@ module gyroakf_filter_drift_objective
 
    !> Logarithms of variances beyond it are nothing or everything; artanh(phi) beyond which phi is 1
    real(dp), parameter :: widest = 60.0_dp, steepest = 9.0_dp
-   !> Step of the differences of the gradient to both sides: what they leave out is a few 1e-5 of the curvature (the next term of
-   !> the series, difference^2/6), and the gradient's rounding grows by 1/difference at most
+   !> Step of the differences of the gradient to both sides: what they leave out is a few 1e-5 of
+   !> the curvature (the next term of the series, difference^2/6), and the gradient's rounding grows
+   !> by 1/difference at most
    real(dp), parameter :: difference = 1.0e-2_dp
    !> Evaluations after which half of a candidate's work is said to be done
    integer, parameter :: usual_evaluations = 20
@@ -82,8 +86,8 @@ contains
       parameter(size(parameter)) = log(white)
    end function starting_point
 
-   !> The model of transformed parameters: artanh phi and ln D of the AR(1) process, ln q of the random walk, ln r. What is nothing
-   !> is 0, and the gradient by its parameter too.
+   !> The model of transformed parameters: artanh phi and ln D of the AR(1) process, ln q of the
+   !> random walk, ln r. What is nothing is 0, and the gradient by its parameter too.
    pure subroutine model_of(objective, parameter, model)
       type(likelihood_objective), intent(in) :: objective
       real(dp), intent(in) :: parameter(:)
@@ -125,7 +129,8 @@ contains
       call begin_evaluation(self)
       call model_of(self, parameter, model)
       n = model%count
-      call component_likelihood(model, self%z, value, failed, self%here, slope(:2*n + 1), self%progress)
+      call component_likelihood(model, self%z, value, failed, self%here, slope(:2*n + 1), &
+         self%progress)
       feasible = .not. allocated(failed)
       if (.not. feasible) then
          if (failed%code == status%cancelled) call move_alloc(failed, self%cancelled)
@@ -135,7 +140,8 @@ contains
       value = share*value
       next = 1
       if (self%ar) then
-         gradient(1) = share*(slope(1)/cosh(parameter(1))**2 - 2.0_dp*model%phi(1)*model%q(1)*slope(n + 1))
+         gradient(1) = &
+            share*(slope(1)/cosh(parameter(1))**2 - 2.0_dp*model%phi(1)*model%q(1)*slope(n + 1))
          gradient(2) = share*slope(n + 1)*model%q(1)
          next = 3
       end if
@@ -146,7 +152,8 @@ contains
       gradient(next) = share*slope(2*n + 1)*model%r
    end subroutine evaluate_likelihood
 
-   !> The share of the fit that the next pass of the series is: half of what is left of a candidate is done after some evaluations.
+   !> The share of the fit that the next pass of the series is: half of what is left of a candidate
+   !> is done after some evaluations.
    pure subroutine begin_evaluation(self)
       class(likelihood_objective), intent(inout) :: self
       real(dp) :: before, behind
@@ -170,15 +177,16 @@ contains
       if (allocated(objective%cancelled)) return
       call begin_evaluation(objective)
       call model_of(objective, parameter, model)
-      call component_likelihood(model, objective%z, value, failed, objective%here, progress=objective%progress)
+      call component_likelihood(model, objective%z, value, failed, objective%here, &
+         progress=objective%progress)
       value = -value/real(objective%measurements, dp)
       if (.not. allocated(failed)) return
       value = huge(1.0_dp)
       if (failed%code == status%cancelled) call move_alloc(failed, objective%cancelled)
    end function value_at
 
-   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood. What is nothing is not varied: the
-   !> others have the errors that they have without it.
+   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood. What
+   !> is nothing is not varied: the others have the errors that they have without it.
    subroutine invert_curvature(objective, parameter, inverse, known)
       type(likelihood_objective), intent(inout) :: objective
       !> Where it is wanted
@@ -237,8 +245,10 @@ contains
       next = 1
       if (objective%ar) then
          tangent = -2.0_dp*model%phi(1)
-         if (.not. objective%nothing(1)) std_error%phi(1) = sqrt(inverse(1, 1))/cosh(parameter(1))**2
-         std_error%q(1) = scale**2*model%q(1)*sqrt(max(0.0_dp, tangent**2*inverse(1, 1) + inverse(2, 2) &
+         if (.not. objective%nothing(1)) std_error%phi(1) = &
+            sqrt(inverse(1, 1))/cosh(parameter(1))**2
+         std_error%q(1) = &
+            scale**2*model%q(1)*sqrt(max(0.0_dp, tangent**2*inverse(1, 1) + inverse(2, 2) &
                                                                    + 2.0_dp*tangent*inverse(2, 1)))
          next = 3
       end if
@@ -263,7 +273,8 @@ contains
       if (.not. associated(self%whole)) return
       reached = self%before
       if (total > 0) reached = reached + self%share*real(done, dp)/real(total, dp)
-      call self%whole%advance(stage, min(self%total, int(reached*real(self%total, dp), int64)), self%total, cancel)
+      call self%whole%advance(stage, min(self%total, int(reached*real(self%total, dp), int64)), &
+         self%total, cancel)
    end subroutine advance_share
 
 end module gyroakf_filter_drift_objective

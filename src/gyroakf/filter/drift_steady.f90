@@ -3,107 +3,136 @@
 module gyroakf_filter_drift_steady
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
-   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, &
-      predict_components, correct_components
-   use gyroakf_filter_state_space, only : solve_riccati, steady_prior
+   use gyroakf_filter_components, only : component_model_type, most_components
+   use gyroakf_filter_steady_gain, only : solve_riccati, steady_prior
    implicit none (type, external)
    private
-   public :: steady_drift_gain, drift_dc_gain
+   public :: steady_drift_gain, steady_covariance, sum_powers, drift_dc_gain
 
-   !> Steps of the filter itself that polish the solution
-   integer, parameter :: polishing = 8
-   !> White noise less than this share of the driving noises is lost in the rounding of the Riccati equation
-   real(dp), parameter :: lost = epsilon(1.0_dp)
+   !> Newton's steps of a covariance
+   integer, parameter :: newton_steps = 2
+   !> Doublings of a sum of powers at most, and what is left of L at the last of them
+   integer, parameter :: most_doublings = 64
+   real(dp), parameter :: left = 1.0e-9_dp
 
 contains
 
    !> Gain of each process once the filter with constant variances has settled.
-   !>
-   !> One process: the closed form
-   !> $$ P^- = \tfrac12 \left[ c + \sqrt{c^2 + 4 q r} \right],\quad c = q - r (1 - \phi^2),\quad K = P^-/(P^- + r) $$
-   !> More: the Riccati equation by doubling. A process without driving noise is known in the end: its gain is 0.
    subroutine steady_drift_gain(model, gain, error)
       !> Checked (check_components)
       type(component_model_type), intent(in) :: model
-      !> Gains; all 0 where r is 0, or nothing beside the driving noises, and there are more processes than one: not known
+      !> Gains, 0 of a process without driving noise, which is known in the end; all 0 where r is 0,
+      !> or nothing beside the driving noises, and there are more processes than one: left open
       real(dp), intent(out) :: gain(most_components)
-      !> not_converged, singular: the Riccati iteration failed
+      !> As steady_covariance
       type(error_type), allocatable, intent(out) :: error
-      type(component_model_type) :: driven
-      real(dp) :: part(most_components)
-      integer :: i, n
+      real(dp) :: p(most_components, most_components)
 
       gain = 0.0_dp
-      n = model%count
-      driven%count = count(model%q(:n) > 0.0_dp)
-      if (driven%count == 0) return
-      driven%phi(:driven%count) = pack(model%phi(:n), model%q(:n) > 0.0_dp)
-      driven%q(:driven%count) = pack(model%q(:n), model%q(:n) > 0.0_dp)
-      driven%r = model%r
-      if (driven%count == 1) then
-         part(1) = steady_of_one(driven)
-      else if (model%r > lost*sum(driven%q)) then
-         call steady_of_many(driven, part, error)
-         if (allocated(error)) return
-      else
-         return
-      end if
-      driven%count = 0
-      do i = 1, n
-         if (.not. model%q(i) > 0.0_dp) cycle
-         driven%count = driven%count + 1
-         gain(i) = part(driven%count)
-      end do
+      if (count(model%q > 0.0_dp) > 1 .and. model%r <= epsilon(1.0_dp)*sum(model%q)) return
+      call steady_covariance(model, p, error)
+      gain = sum(p, 1)
+      if (any(gain > 0.0_dp)) gain = gain/(sum(gain) + model%r)
    end subroutine steady_drift_gain
 
-   !> The closed form.
-   pure real(dp) function steady_of_one(model) result(gain)
-      !> One process with driving noise
+   !> Covariance of the prediction to which a filter with constant variances settles: of one process
+   !> the closed form of [[steady_prior]], of more the Riccati equation by doubling.
+   !>
+   !> Newton's steps give the small elements the precision of the large ones. It is solved for the
+   !> covariance X behind the measurement, $ P = \Phi X \Phi^T + Q $: for that the next measurement
+   !> has the noise $ \rho = r + \sum_i q_i $, which is not 0 where r is, correlated with the
+   !> driving noise; without the part known from the measurement, the transition is $ \Phi - Q
+   !> \mathbf 1 \phi^T/\rho $ and the noise $ Q - Q \mathbf 1 \mathbf 1^T Q/\rho $.
+   subroutine steady_covariance(model, p, error)
+      !> Checked (check_components)
       type(component_model_type), intent(in) :: model
-      real(dp) :: prior
-
-      if (.not. model%r > 0.0_dp) then
-         gain = 1.0_dp
-         return
-      end if
-      prior = steady_prior(model%phi(1), model%q(1), model%r)
-      gain = prior/(prior + model%r)
-   end function steady_of_one
-
-   !> The Riccati equation, in units of r.
-   subroutine steady_of_many(model, gain, error)
-      !> Two processes or three, all with driving noise, r > 0
-      type(component_model_type), intent(in) :: model
-      !> Their gains
-      real(dp), intent(out) :: gain(most_components)
-      !> As solve_riccati
+      !> 0 for a process without driving noise
+      real(dp), intent(out) :: p(most_components, most_components)
+      !> not_converged, singular: the Riccati iteration failed; no_memory
       type(error_type), allocatable, intent(out) :: error
-      type(component_state_type) :: state
-      type(component_model_type) :: scaled
-      real(dp), dimension(model%count, model%count) :: a, g, h
-      integer :: i, n
+      type(component_model_type) :: driven
+      real(dp), allocatable :: a(:, :), h(:, :)
+      integer, allocatable :: at(:)
+      real(dp), allocatable :: l(:, :), rest(:, :, :), share(:)
+      real(dp) :: rho, s
+      integer :: i, j, n, round
 
-      n = model%count
-      scaled = model
-      scaled%q = model%q/model%r
-      scaled%r = 1.0_dp
-      a = 0.0_dp
-      g = 1.0_dp
-      h = 0.0_dp
-      do i = 1, n
-         a(i, i) = scaled%phi(i)
-         h(i, i) = scaled%q(i)
-      end do
-      call solve_riccati(a, g, h, error)
+      p = 0.0_dp
+      at = pack([(i, i=1, model%count)], model%q(:model%count) > 0.0_dp)
+      n = size(at)
+      driven%count = n
+      driven%phi(:n) = model%phi(at)
+      rho = sum(model%q(at)) + model%r
+      driven%q(:n) = model%q(at)/rho
+      driven%r = model%r/rho
+      if (n == 1) then
+         p(at(1), at(1)) = model%q(at(1))
+         if (model%r > 0.0_dp) p(at(1), at(1)) = steady_prior(driven%phi(1), model%q(at(1)), &
+            model%r)
+      end if
+      if (n <= 1) return
+      allocate (a(n, n), h(n, n), l(n, n), rest(1, n, n))
+      associate (phi => driven%phi(:n), q => driven%q(:n))
+         do j = 1, n
+            do i = 1, n
+               a(i, j) = -q(i)*phi(j)
+               h(i, j) = -q(i)*q(j)
+            end do
+            a(j, j) = (1.0_dp - q(j))*phi(j)
+            h(j, j) = q(j)*(driven%r + sum(q(:j - 1)) + sum(q(j + 1:)))
+         end do
+      end associate
+      call solve_riccati(a, driven%phi(:n), h, error)
       if (allocated(error)) return
-      state%p(:n, :n) = h
-      do i = 1, polishing
-         call correct_components(n, scaled%r, 0.0_dp, state)
-         call predict_components(scaled, state)
+      a = 0.0_dp
+      associate (phi => driven%phi(:n), q => driven%q(:n))
+         do j = 1, n
+            a(:, j) = h(:, j)*phi*phi(j)
+            a(j, j) = a(j, j) + q(j)
+         end do
+         do round = 1, newton_steps
+            share = sum(a, 1)
+            s = sum(share) + driven%r
+            do j = 1, n
+               do i = 1, n
+                  l(i, j) = phi(i)*(merge(1.0_dp, 0.0_dp, i == j) - share(i)/s)
+                  rest(1, i, j) = (phi(i)*phi(j) - 1.0_dp)*a(i, j) &
+                     - phi(i)*phi(j)*share(i)*share(j)/s
+               end do
+               rest(1, j, j) = rest(1, j, j) + q(j)
+            end do
+            call sum_powers(l, rest)
+            a = a + rest(1, :, :)
+         end do
+      end associate
+      p(at, at) = rho*a
+   end subroutine steady_covariance
+
+   !> $ R + L R L^T + L^2 R (L^2)^T + \dots $, by doubling.
+   pure subroutine sum_powers(l, rest)
+      !> [n, n]; a power of it afterwards
+      real(dp), intent(inout), contiguous :: l(:, :)
+      !> Some R, the sums afterwards: [any, n, n]
+      real(dp), intent(inout), contiguous :: rest(:, :, :)
+      real(dp) :: half(size(rest, 1), size(l, 1), size(l, 1))
+      integer :: i, j, n, round
+
+      n = size(l, 1)
+      do round = 1, most_doublings
+         do j = 1, n
+            do i = 1, n
+               half(:, i, j) = matmul(rest(:, i, :), l(j, :))
+            end do
+         end do
+         do j = 1, n
+            do i = 1, n
+               rest(:, i, j) = rest(:, i, j) + matmul(half(:, :, j), l(i, :))
+            end do
+         end do
+         if (maxval(abs(l)) < left) exit
+         l = matmul(l, l)
       end do
-      call correct_components(n, scaled%r, 0.0_dp, state)
-      gain = state%gain
-   end subroutine steady_of_many
+   end subroutine sum_powers
 
    !> Share of a constant true rate that a drift filter with constant gains passes.
    !>

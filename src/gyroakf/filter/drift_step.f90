@@ -2,10 +2,10 @@
 !> The drift filter of any number of processes, sample by sample.
 module gyroakf_filter_drift_step
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_components, only : predict_components, correct_components
+   use gyroakf_filter_components, only : predict_components, correct_components, &
+      settle_distance, vanished
    use gyroakf_filter_measurement, only : is_sample
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, watch_level
-   use gyroakf_filter_scalar, only : settle_distance, vanished
    use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
@@ -37,10 +37,12 @@ contains
          else if (.not. first) then
             call step_missing(filter)
          end if
-         x(k) = sum(filter%drift_state%x(:filter%drift_model%count), mask=filter%slow(:filter%drift_model%count))
+         x(k) = sum(filter%drift_state%x(:filter%drift_model%count), &
+            mask=filter%slow(:filter%drift_model%count))
          if (present(normalised_innovation)) then
             normalised_innovation(k) = 0.0_dp
-            if (here .and. .not. first) normalised_innovation(k) = filter%innovation/sqrt(filter%innovation_variance)
+            if (here .and. .not. first) normalised_innovation(k) = &
+               filter%innovation/sqrt(filter%innovation_variance)
          end if
       end do
       filter%steps = filter%steps + size(z, kind=int64)
@@ -68,9 +70,7 @@ contains
 
    !> A step with one.
    pure subroutine step_measured(filter, z)
-      !> The filter
       type(filter_type), intent(inout) :: filter
-      !> The measurement
       real(dp), intent(in) :: z
       real(dp) :: inflation, prior, variance
       integer :: i, n
@@ -88,7 +88,8 @@ contains
             prior = sum(state%p(:n, :n))
             filter%innovation = z - sum(state%x(:n))
             filter%innovation_variance = prior + filter%r
-            inflation = gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
+            inflation = gate_inflation(filter%options%huber, filter%innovation, &
+               filter%innovation_variance)
             call correct_components(n, filter%r*inflation, z, state)
             i = filter%drift_shifted
             variance = state%p(i, i)
@@ -121,7 +122,8 @@ contains
       filter%gain(1) = sum(filter%drift_state%gain(:n), mask=filter%slow(:n))
       filter%p(1, 1) = 0.0_dp
       do i = 1, n
-         if (filter%slow(i)) filter%p(1, 1) = filter%p(1, 1) + sum(filter%drift_state%p(:n, i), mask=filter%slow(:n))
+         if (filter%slow(i)) filter%p(1, 1) = filter%p(1, 1) &
+            + sum(filter%drift_state%p(:n, i), mask=filter%slow(:n))
       end do
       if (begins_here(filter)) filter%p(1, 1) = huge(1.0_dp)
    end subroutine show_drift

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> A filter over a whole series, with the measures of its quality.
 !>
-!> In blocks: no temporaries of the record's length. What a result means is said in sentences, by the size
-!> of the effect: in a long record every deviation is significant.
+!> In blocks: no temporaries of the record's length. What a result means is said in sentences, by
+!> the size of the effect: in a long record every deviation is significant.
 module gyroakf_filter_filter_series
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -15,7 +15,8 @@ module gyroakf_filter_filter_series
    use gyroakf_filter_drift_steady, only : drift_dc_gain
    use gyroakf_filter_drift_step, only : begins_here
    use gyroakf_filter_state_space, only : dc_gain
-   use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
+   use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, &
+      autocovariance_of, longest_lag
    use gyroakf_filter_measurement, only : is_sample
    use gyroakf_filter_filter_warnings, only : filter_result_type, list_warnings
    implicit none (type, external)
@@ -38,7 +39,8 @@ module gyroakf_filter_filter_series
       !> Innovations over their standard deviations, presence: of a block
       real(dp), allocatable :: normalised(:)
       integer(int8), allocatable :: here(:)
-      !> Samples of the series, those before its last third, those done, those done at the next report of progress
+      !> Samples of the series, those before its last third, those done, those done at the next
+      !> report of progress
       integer(int64) :: samples = 0, third = 0, done = 0, next_report = 0
       !> Counts of the filter at the beginning: clamped, gated
       integer(int64) :: before(2) = 0
@@ -52,7 +54,8 @@ contains
       type(filter_type), intent(inout) :: filter
       !> Series, [n], at least 30 present samples; NaN counts as missing
       real(dp), intent(in), contiguous :: z(:)
-      !> Output, [n]: the estimate of the state; the prediction where a sample is missing; not the same array as z
+      !> Output, [n]: the estimate of the state; the prediction where a sample is missing; not the
+      !> same array as z
       real(dp), intent(out), contiguous :: x(:)
       !> Its diagnostics
       type(filter_result_type), intent(out) :: result
@@ -103,7 +106,8 @@ contains
       if (filter%order < 1) then
          call fatal_error(error, status%invalid_argument, wrong_series)
       else if (measurements < fewest_measurements) then
-         write (buffer, "(a, i0, a, i0)") "a filter's diagnostics need at least ", fewest_measurements, &
+         write (buffer, "(a, i0, a, i0)") "a filter's diagnostics need at least ", &
+            fewest_measurements, &
             " present samples, got ", measurements
          call fatal_error(error, status%too_few_samples, trim(buffer))
       end if
@@ -112,7 +116,8 @@ contains
       if (stat == 0) allocate (run%here(block_size), stat=stat)
       if (stat == 0) call start_lag_sums(run%innovations, block_size, stat)
       if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the blocks of a filter's innovations")
+         call fatal_error(error, status%no_memory, &
+            "no memory for the blocks of a filter's innovations")
          return
       end if
       run%before = [filter%clamped, filter%gated]
@@ -134,7 +139,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 where a sample is present, 0 where it is missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: first, last
       integer :: n
@@ -153,7 +157,8 @@ contains
          if (run%done < run%third) last = min(last, first - 1 + run%third - run%done)
          n = int(last - first + 1)
          if (present(valid)) then
-            run%here(:n) = merge(1_int8, 0_int8, valid(first:last) /= 0_int8 .and. is_sample(z(first:last)))
+            run%here(:n) = merge(1_int8, 0_int8, valid(first:last) /= 0_int8 &
+               .and. is_sample(z(first:last)))
          else
             run%here(:n) = merge(1_int8, 0_int8, is_sample(z(first:last)))
          end if
@@ -188,7 +193,6 @@ contains
 
    !> Present samples of a series, counted until they are enough.
    pure integer(int64) function enough_measurements(z, valid) result(measurements)
-      !> Series, [n]
       real(dp), intent(in), contiguous :: z(:)
       !> 1 where a sample is present, [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -218,7 +222,6 @@ contains
 
    !> Begins a new mean of the gain.
    pure subroutine restart_gain(filter)
-      !> The filter
       type(filter_type), intent(inout) :: filter
 
       filter%drift_gain_sum = 0.0_dp
@@ -254,7 +257,8 @@ contains
       call list_estimates(filter, result%estimate)
       call autocovariance_of(innovations, autocovariance)
       if (autocovariance(0) > 0.0_dp) then
-         call ljung_box_of(autocovariance, innovations%samples, 0, result%ljung_box, error, nint(innovations%pairs, int64))
+         call ljung_box_of(autocovariance, innovations%samples, 0, result%ljung_box, error, &
+            nint(innovations%pairs, int64))
          if (allocated(error)) return
       end if
       call list_warnings(filter, innovations%present, result)
@@ -262,17 +266,18 @@ contains
 
    !> DC gain in the end: an adapted mean takes up a part of a constant rate, or all of it.
    pure real(dp) function lasting_gain(filter, gain)
-      !> The filter
       type(filter_type), intent(in) :: filter
       !> Its mean gain, [order]
       real(dp), intent(in) :: gain(:)
 
-      associate (by_q => filter%options%estimate_process_mean, by_r => filter%options%estimate_measurement_mean)
+      associate (by_q => filter%options%estimate_process_mean, &
+         by_r => filter%options%estimate_measurement_mean)
          if (filter%drift_model%count == 1) then
             lasting_gain = drift_dc_gain(filter%drift_model, filter%slow, gain)
          else if (filter%drift_model%count > 1) then
             lasting_gain = drift_dc_gain(filter%drift_model, filter%slow, &
-                                         filter%drift_gain_sum/real(max(1_int64, filter%gain_measurements), dp))
+                                         filter%drift_gain_sum/real(max(1_int64, &
+                                         filter%gain_measurements), dp))
          else if (by_q .and. by_r) then                 ! q = K r: one innovation drives both
             lasting_gain = gain(1)/(gain(1) + 1.0_dp - sum(filter%phi))
          else if (by_r) then
@@ -287,7 +292,6 @@ contains
 
    !> The names of what is adapted, in the paper's order.
    pure subroutine list_estimates(filter, list)
-      !> The filter
       type(filter_type), intent(in) :: filter
       !> "q", "r", "Q", "R" as they apply
       type(text_type), allocatable, intent(out) :: list(:)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The filter as an object: its model, its state and how it adapts. Made by `new_filter`
-!> (gyroakf_filter_kalman, which re-exports the types) or `new_drift_filter`; the components are for reading.
+!> (gyroakf_filter_kalman, which re-exports the types) or `new_drift_filter`; the components are for
+!> reading.
 module gyroakf_filter_filter_types
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components
@@ -8,8 +9,8 @@ module gyroakf_filter_filter_types
    private
    public :: filter_options, filter_type
 
-   !> What a filter adapts and within which limits. Fortran does not tell q from Q: "mean" is q or r,
-   !> "variance" is Q or R.
+   !> What a filter adapts and within which limits. Fortran does not tell q from Q: "mean" is q or
+   !> r, "variance" is Q or R.
    type :: filter_options
       !> Adapt the mean q of the driving noise
       logical :: estimate_process_mean = .false.
@@ -21,16 +22,19 @@ module gyroakf_filter_filter_types
       logical :: estimate_measurement_variance = .false.
       !> Forgetting factor b, 0 < b <= 1; 1 weighs the whole past alike
       real(dp) :: forgetting = 0.98_dp
-      !> How R follows the data: residual, exact, biased, or paper (the printed posterior P_k in eq. (22))
+      !> How R follows the data: residual, exact, biased, or paper (the printed posterior P_k in eq.
+      !> (22))
       character(8) :: measurement_form = "residual"
       !> Measurements without adaptation at the start; -1: until the gain has settled, at least 20
       integer :: burn_in = 0
-      !> Innovations beyond so many standard deviations count less, 0.001 .. 1e6; 0: no gate; 2.5 usual
+      !> Innovations beyond so many standard deviations count less, 0.001 .. 1e6; 0: no gate; 2.5
+      !> usual
       real(dp) :: huber = 0.0_dp
-      !> What the bounds of R are multiples of (half the variance of the differences); 0: r itself, in a drift filter
-      !> half the variance of the differences that the model states
+      !> What the bounds of R are multiples of (half the variance of the differences); 0: r itself,
+      !> in a drift filter half the variance of the differences that the model states
       real(dp) :: r_scale = 0.0_dp
-      !> Variance of the state at the start, on the diagonal; 0: the stationary covariance, of a drift's random walk none (diffuse)
+      !> Variance of the state at the start, on the diagonal; 0: the stationary covariance, of a
+      !> drift's random walk none (diffuse)
       real(dp) :: initial_variance = 0.0_dp
       !> Bounds of Q, multiples of the q given
       real(dp) :: q_lower = 1.0e-3_dp, q_upper = 1.0e3_dp
@@ -42,9 +46,10 @@ module gyroakf_filter_filter_types
 
    !> A filter for the AR(p) state or for a drift, fixed or adaptive
    !>
-   !> A drift is the sum of some processes of the first order (`slow`): `order` is 1, x(1) the drift, p(1,1) its variance (huge
-   !> before the first measurement of a random walk), gain(1) its gain, phi(1) the coefficient of its slowest process, q the sum of
-   !> its driving variances. What is known of each process is in `drift_state`.
+   !> A drift is the sum of some processes of the first order (`slow`): `order` is 1, x(1) the
+   !> drift, p(1,1) its variance (huge before the first measurement of a random walk), gain(1) its
+   !> gain, phi(1) the coefficient of its slowest process, q the sum of its driving variances. What
+   !> is known of each process is in `drift_state`.
    type :: filter_type
       !> Size of the state
       integer :: order = 0

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The result of a filter over a series, and what the user must know about it, in sentences: warnings, and notes.
+!> The result of a filter over a series, and what the user must know about it, in sentences:
+!> warnings, and notes.
 !>
 !> A verdict goes by the size of the effect, with the numbers in it.
 module gyroakf_filter_filter_warnings
@@ -32,14 +33,16 @@ module gyroakf_filter_filter_warnings
       real(dp) :: mean = 0, variance = 0
       !> Mean of the first gain over the last third of the series
       real(dp) :: gain = 0
-      !> Share of a constant true rotation that passes, from the mean gain; with q or r adapted, the share left
-      !> after the memory 1/(1 - b)
+      !> Share of a constant true rotation that passes, from the mean gain; with q or r adapted, the
+      !> share left after the memory 1/(1 - b)
       real(dp) :: dc_gain = 0
       !> Variances Q, R and means q, r at the end
       real(dp) :: q = 0, r = 0, q_mean = 0, r_mean = 0
-      !> Mean of the squared normalised innovations; 1 where the stated variances are those of the series
+      !> Mean of the squared normalised innovations; 1 where the stated variances are those of the
+      !> series
       real(dp) :: nis_mean = 0
-      !> Where it lies in 95 of 100 series of the model: quantiles of chi-square over the innovations' count
+      !> Where it lies in 95 of 100 series of the model: quantiles of chi-square over the
+      !> innovations' count
       real(dp) :: nis_low = 0, nis_high = 0
       !> Whiteness of the normalised innovations, 20 lags, no fitted parameters subtracted
       type(ljung_box_type) :: ljung_box
@@ -66,21 +69,26 @@ contains
       logical :: paper
 
       allocate (result%warnings(0))
-      paper = filter%drift_model%count == 0         ! its variances are not meant to be those of the series
+      ! its variances are not meant to be those of the series
+      paper = filter%drift_model%count == 0
       call judge_adaptation(filter, measurements, result)
-      if (result%dc_gain < attenuated .and. paper) then     ! a drift filter's output is not the rotation
-         call add_text(result%warnings, "of a constant true rotation the output keeps "//trim(percent(result%dc_gain)) &
+      ! a drift filter's output is not the rotation
+      if (result%dc_gain < attenuated .and. paper) then
+         call add_text(result%warnings, "of a constant true rotation the output keeps "// &
+            trim(percent(result%dc_gain)) &
                        //": do not navigate with it", note=.true.)
       end if
       if (result%ljung_box%largest_rho > colored .and. result%ljung_box%p_value < significant) then
          call add_text(result%warnings, "the innovations are not white: an autocorrelation of " &
                        //trim(decimal(result%ljung_box%largest_rho))//" within 20 lags (p " &
                        //trim(probability(result%ljung_box%p_value)) &
-                       //", a good model leaves less than 0.10); the model does not describe the series", note=paper)
+                       //", a good model leaves less than 0.10); the model does not describe " &
+                       //"the series", note=paper)
       end if
       if (result%nis_mean < lowest_nis .or. result%nis_mean > highest_nis) then
-         call add_text(result%warnings, "the mean normalized innovation squared is "//trim(decimal(result%nis_mean)) &
-                       //" (1 is consistent): the variances that the filter states are not those of the series", note=paper)
+         call add_text(result%warnings, "the mean normalized innovation squared is "// &
+                       trim(decimal(result%nis_mean))//" (1 is consistent): the variances that " &
+                       //"the filter states are not those of the series", note=paper)
       end if
       if (.not. any(abs(filter%phi) > 0.0_dp)) then
          call add_text(result%warnings, "the model is white noise: there is nothing to predict, " &
@@ -99,26 +107,33 @@ contains
       all_of_them = real(max(1_int64, measurements), dp)
       associate (options => filter%options)
          if (options%estimate_process_variance .and. options%estimate_measurement_variance) then
-            call add_text(result%warnings, "Q and R are both adapted but not identifiable together: their sum follows the data, " &
-                          //"their ratio, and with it the gain, does not; adapt R alone", note=.true.)
+            call add_text(result%warnings, &
+               "Q and R are both adapted but not identifiable together: their sum follows the " &
+               //"data, their ratio, and with it the gain, does not; adapt R alone", note=.true.)
          end if
          if (options%estimate_process_mean .and. options%estimate_measurement_mean) then
-            call add_text(result%warnings, "q and r are both adapted but not identifiable together: " &
+            call add_text(result%warnings, &
+               "q and r are both adapted but not identifiable together: " &
                           //"a constant offset may be in either", note=.true.)
          end if
          if (filter%adaptive .and. result%gain < min(collapsed, 0.01_dp*filter%steady_gain(1))) then
-            call add_text(result%warnings, "the gain has collapsed to "//trim(decimal(result%gain)) &
+            call add_text(result%warnings, "the gain has collapsed to "// &
+               trim(decimal(result%gain)) &
                           //": the output no longer follows the measurements")
          end if
          if (options%estimate_measurement_variance .and. result%gain > passing) then
-            call add_text(result%warnings, "R has fallen towards zero: the series holds hardly any white measurement noise " &
-                          //"beside the model, and the filter passes it through (gain "//trim(decimal(result%gain))//")")
+            call add_text(result%warnings, &
+               "R has fallen towards zero: the series holds hardly any white measurement noise " &
+                          //"beside the model, and the filter passes it through (gain "// &
+                          trim(decimal(result%gain))//")")
          else if (real(result%clamped, dp) > often*all_of_them) then
-            call add_text(result%warnings, "Q or R was held at a bound at "//trim(percent(real(result%clamped, dp)/all_of_them)) &
+            call add_text(result%warnings, "Q or R was held at a bound at "// &
+               trim(percent(real(result%clamped, dp)/all_of_them)) &
                           //" of the measurements")
          end if
          if (real(result%gated, dp) > often*all_of_them) then
-            call add_text(result%warnings, "the gate acted at "//trim(percent(real(result%gated, dp)/all_of_them)) &
+            call add_text(result%warnings, "the gate acted at "// &
+               trim(percent(real(result%gated, dp)/all_of_them)) &
                           //" of the measurements: outliers, or variances that are too small")
          end if
       end associate
@@ -134,8 +149,8 @@ contains
       if (p >= 0.001_dp) write (text, "(a, f5.3)") "= ", p
    end function probability
 
-   !> A share as percent, "60.7 %". (Of fixed length, as below: gfortran 12 keeps the length of a deferred-length
-   !> result in static memory, which two threads would share.)
+   !> A share as percent, "60.7 %". (Of fixed length, as below: gfortran 12 keeps the length of a
+   !> deferred-length result in static memory, which two threads would share.)
    pure function percent(share) result(text)
       !> 1 is everything
       real(dp), intent(in) :: share
@@ -147,7 +162,6 @@ contains
 
    !> Two decimals, or three significant digits where the number is small.
    pure function decimal(value) result(text)
-      !> The number
       real(dp), intent(in) :: value
       character(24) :: text
 

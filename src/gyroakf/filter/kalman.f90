@@ -1,16 +1,19 @@
 ! SPDX-License-Identifier: MIT
-!> The Kalman filter of an AR(p) state, fixed or adaptive (Sage-Husa): made, stepped, run over a series.
+!> The Kalman filter of an AR(p) state, fixed or adaptive (Sage-Husa): made, stepped, run over a
+!> series.
 !>
 !>     call new_filter(filter, phi, q, r, options, error)
 !>     do k = 1, n
-!>        call step_filter(filter, z(k), x)          ! real time: no allocation; NaN z: no measurement
+!>        call step_filter(filter, z(k), x)   ! no allocation; NaN: no measurement
+
 !>     end do
 !>
-!> The model is x_k = phi_1 x_{k-1} + ... + phi_p x_{k-p} + w_k, z_k = x_k + v_k, with E(w) = q, Var(w) = Q,
-!> E(v) = r, Var(v) = R. Each object carries its whole state: different objects may run in different threads.
+!> The model is x_k = phi_1 x_{k-1} + ... + phi_p x_{k-p} + w_k, z_k = x_k + v_k, with E(w) = q,
+!> Var(w) = Q, E(v) = r, Var(v) = R. Each object carries its whole state: different objects may run
+!> in different threads.
 !>
-!> Source: Kalman, Trans. ASME J. Basic Eng. 82 (1960) 35-45; Sage & Husa, JACC 1969; the gate: Huber's
-!> weight on the innovation.
+!> Source: Kalman, Trans. ASME J. Basic Eng. 82 (1960) 35-45; Sage & Husa, JACC 1969; the gate:
+!> Huber's weight on the innovation.
 module gyroakf_filter_kalman
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_filter_filter_types, only : filter_options, filter_type
@@ -25,11 +28,13 @@ module gyroakf_filter_kalman
 
 contains
 
-   !> One step: prediction, and the correction by the measurement if there is one. Allocates nothing.
+   !> One step: prediction, and the correction by the measurement if there is one. Allocates
+   !> nothing.
    pure subroutine step_filter(filter, z, x)
       !> The filter; its state goes on
       type(filter_type), intent(inout) :: filter
-      !> Measurement in the unit of the variances' root; NaN, infinite or beyond 1e149: missing, only the prediction
+      !> Measurement in the unit of the variances' root; NaN, infinite or beyond 1e149: missing,
+      !> only the prediction
       real(dp), intent(in) :: z
       !> Estimate of the state
       real(dp), intent(out) :: x
@@ -69,7 +74,8 @@ contains
       else if (filter%order == 1) then
          run => run_scalar
       end if
-      ! an absent optional is not passed on: the undefined-behavior sanitizer of gfortran 12 stops there
+      ! an absent optional is not passed on: the undefined-behavior sanitizer of gfortran 12 stops
+      ! there
       if (present(valid) .and. present(normalised_innovation)) then
          call run(filter, z, x, valid, normalised_innovation)
       else if (present(valid)) then
@@ -83,7 +89,8 @@ contains
 
    !> No adaptation of q, r, Q, R from here on, or adaptation again; the state goes on either way.
    !>
-   !> While the sensor rotates freeze, and give NaN instead of the measurement: the drift is then predicted.
+   !> While the sensor rotates freeze, and give NaN instead of the measurement: the drift is then
+   !> predicted.
    pure subroutine freeze_filter(filter, frozen)
       !> The filter
       type(filter_type), intent(inout) :: filter
@@ -95,7 +102,6 @@ contains
 
    !> The filter of any order over a series.
    pure subroutine run_vector(filter, z, x, valid, normalised_innovation)
-      !> As run_filter
       type(filter_type), intent(inout) :: filter
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(out), contiguous :: x(:)
@@ -118,11 +124,8 @@ contains
 
    !> One step of any order.
    pure subroutine step_order(filter, z, here)
-      !> The filter
       type(filter_type), intent(inout), target :: filter
-      !> Measurement
       real(dp), intent(in) :: z
-      !> Whether there is one
       logical, intent(in) :: here
 
       call step_vector(filter, filter%order, filter%phi, filter%steady_gain, filter%x, &

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Autocovariances of a series that arrives in blocks, exact across the borders, missing samples left out.
+!> Autocovariances of a series that arrives in blocks, exact across the borders, missing samples
+!> left out.
 module gyroakf_filter_lag_sums
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_stats_lagged_products, only : add_lagged_products
@@ -18,10 +19,12 @@ module gyroakf_filter_lag_sums
       integer(int64) :: samples = 0, present = 0
       !> Sum of the shifted values and of the squares of the values themselves
       real(dp) :: total = 0, squares = 0
-      !> Pairs at lag k, their products, the sums of their later and of their earlier members, [0:longest_lag]
+      !> Pairs at lag k, their products, the sums of their later and of their earlier members,
+      !> [0:longest_lag]
       real(dp) :: pairs(0:longest_lag) = 0, products(0:longest_lag) = 0
       real(dp) :: later(0:longest_lag) = 0, earlier(0:longest_lag) = 0
-      !> Shifted values and their presence (1 or 0): the last ones of the block before, then the block
+      !> Shifted values and their presence (1 or 0): the last ones of the block before, then the
+      !> block
       real(dp), allocatable :: value(:), here(:)
    end type lag_sums_type
 
@@ -67,7 +70,8 @@ contains
       sums%total = sums%total + block_total
       call add_lagged_products(sums%value(1:), sums%value, n, longest_lag, sums%products)
       if (total(sums%here(:n)) > real(n + longest_lag, dp) - 0.5_dp) then
-         edge = 0.0_dp                              ! nothing is missing here nor in the last samples before
+         ! nothing is missing here nor in the last samples before
+         edge = 0.0_dp
          do k = 0, longest_lag
             if (k > 0) edge = edge + sums%value(1 - k) - sums%value(n - k + 1)
             sums%pairs(k) = sums%pairs(k) + count
@@ -98,8 +102,8 @@ contains
       end do
    end function total
 
-   !> Autocovariances about the mean: per lag the mean over the present pairs times (n - k)/n, which without
-   !> gaps is the biased estimate with divisor n.
+   !> Autocovariances about the mean: per lag the mean over the present pairs times (n - k)/n, which
+   !> without gaps is the biased estimate with divisor n.
    pure subroutine autocovariance_of(sums, r)
       !> The sums
       type(lag_sums_type), intent(in) :: sums

@@ -1,48 +1,47 @@
 ! SPDX-License-Identifier: MIT
-!> Exact Gaussian likelihood of a drift model, and its gradient, in one pass of the filter.
+!> Exact Gaussian likelihood of a drift model, and its gradient.
 !>
 !> $$ \ln L = -\tfrac12 \sum_k \Big( \ln 2\pi + \ln S_k + e_k^2/S_k \Big) $$
-!> over the measurements, without the first where there is a random walk (diffuse likelihood: what the others tell of the
-!> parameters once the first has set the level). The gradient comes from the recursions for the derivatives of state, covariance
-!> and gain by every parameter, not from differences. Once covariance, gain and their derivatives have settled they are kept: a
-!> step then costs O(n) for each parameter.
+!> over the measurements, without the first where there is a random walk (diffuse likelihood: what
+!> the others tell of the parameters once the first has set the level).
 !>
-!> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.2, 7.3.
+!> Each stretch of n samples without a gap is filtered with the steady gain
+!> ([[gyroakf_filter_steady_filter]]). What is known less of the state before it than the steady
+!> covariance says is a shift d, of covariance D, of that state; integrated over d the stretch has
+!> $$ -2 \ln L = n \ln 2\pi S + \tfrac1S \sum e_k^2 + \ln \det (I + G D) - b^T \hat d, \quad
+!>    \hat d = (D^{-1} + G)^{-1} b, \quad G = \tfrac1S \sum g_k g_k^T, \quad
+!>    b = \tfrac1S \sum g_k e_k $$
+
+!> and the state behind it is that of the filter plus $ L^n \hat d $. Of a random walk that is not
+!> known d is flat: no $ D^{-1} $.
+!>
+!> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 7.2, 7.3;
+!> Rosenberg, Ann. Econ. Soc. Meas. 2 (1973) 399-428 (the shift of the start).
 module gyroakf_filter_likelihood
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, &
-      check_components, start_components, predict_components, correct_components, settling_type, judge_settling
-   use gyroakf_filter_measurement, only : is_sample
+   use gyroakf_filter_components, only : component_model_type, most_components, check_components
+   use gyroakf_filter_derivatives, only : last_lane, product_of, quotient, logarithm, multiply, &
+      raise, solve
+   use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
+   use gyroakf_filter_steady_filter, only : steady_filter_type, stretch_type, make_steady_filter, &
+      run_stretch
    implicit none (type, external)
    private
    public :: component_likelihood
 
-   !> phi and q of every process, r: numbered 1 .. n, n + 1 .. 2 n, 2 n + 1; padded to a whole number of vector registers
-   integer, parameter :: most_parameters = 2*most_components + 1, padded = 8
    real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
-   !> Measurements between two tests whether the recursion is stationary
-   integer, parameter :: test_interval = 64
-   !> Samples between two reports of progress
-   integer(int64), parameter :: report_samples = 262144
+   !> Samples between two looks at g, and between two reports of progress
+   integer(int64), parameter :: look_samples = 64, report_samples = 262144
 
-   !> What changes from step to step
-   type :: lane_type
-      type(component_model_type) :: model
-      type(component_state_type) :: state
-      !> The gradient is wanted
-      logical :: derive = .false.
-      !> Derivatives by every parameter of estimates, covariance (upper triangle), gain, innovation and its variance
-      real(dp) :: dx(padded, most_components) = 0.0_dp, dcov(padded, most_components, most_components) = 0.0_dp
-      real(dp) :: dgain(padded, most_components) = 0.0_dp, de(padded) = 0.0_dp, ds(padded) = 0.0_dp
-      !> Of gain and S and their derivatives
-      type(settling_type) :: settling
-      integer :: look = 0
-      !> Sums over the measurements: ln S, e^2/S, derivatives of the log-likelihood times -2
-      real(dp) :: logarithms = 0.0_dp, squares = 0.0_dp, slope(padded) = 0.0_dp
-      integer(int64) :: measurements = 0
-   end type lane_type
+   !> What is known of the next sample's state
+   type :: known_type
+      real(dp) :: x(0:last_lane, most_components) = 0.0_dp
+      real(dp) :: p(0:last_lane, most_components, most_components) = 0.0_dp
+      !> The random walk that is not known; 0: none
+      integer :: flat = 0
+   end type known_type
 
 contains
 
@@ -54,316 +53,180 @@ contains
       real(dp), intent(in), contiguous :: z(:)
       !> The natural logarithm
       real(dp), intent(out) :: value
-      !> invalid_argument, non_finite, unstable; too_few_samples (none that counts); singular (S is not positive); cancelled
+      !> invalid_argument, non_finite, unstable; too_few_samples (none that counts); not_converged,
+      !> singular (its steady gain); no_memory; cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> By phi of every process (0 for a random walk), q of every process, r: [2 count + 1]
+      !> By phi of every process (0 for a random walk), q of every process (0 for a random walk
+      !> without steps), r: [2 count + 1]
       real(dp), intent(out), optional :: gradient(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(lane_type) :: lane
-      integer(int64) :: k, last
-      logical :: here
+      type(steady_filter_type) :: filter
+      type(stretch_type) :: stretch
+      type(known_type) :: known
+      real(dp) :: deviance(0:last_lane), level
+      integer(int64) :: k, first, last, next, reported, measurements
 
       value = 0.0_dp
       if (present(gradient)) gradient = 0.0_dp
       call check_components(model, error)
+      if (.not. allocated(error)) call make_steady_filter(model, filter, error)
       if (allocated(error)) return
-      call begin(model, present(gradient), lane)
+      call begin(model, filter, known)
+      deviance = 0.0_dp
+      level = 0.0_dp
+      measurements = 0
+      reported = 0
       k = 1
-      last = 0
-      do while (k <= size(z, kind=int64))
-         if (k > last) then
-            call report_progress("identifying", k - 1, size(z, kind=int64), error, progress)
-            if (allocated(error)) return
-            last = min(k + report_samples - 1, size(z, kind=int64))
-         end if
-         if (lane%settling%settled) call run_settled(lane, z, last, k, valid)
-         if (k > last) cycle
-         here = is_sample(z(k))
-         if (present(valid)) here = here .and. valid(k) /= 0_int8
-         call step(lane, z(k), here)
-         if (.not. (lane%state%variance > 0.0_dp .or. lane%measurements == 0)) exit
-         k = k + 1
+      do
+         first = k
+         do while (k <= size(z, kind=int64))
+            if (is_here(k)) exit
+            k = k + 1
+         end do
+         if (k > size(z, kind=int64)) exit
+         call predict_gap(filter, k - first, known)
+         stretch = stretch_type(x=known%x)
+         stretch%g(0, :filter%n) = 1.0_dp
+         last = k
+         do while (last < size(z, kind=int64))
+            if (.not. is_here(last + 1)) exit
+            last = last + 1
+         end do
+         if (known%flat > 0) level = sum(z(k:last))/real(last - k + 1, dp)
+         do while (k <= last)
+            if (k > reported) then
+               call report_progress("identifying", k - 1, size(z, kind=int64), error, progress)
+               if (allocated(error)) return
+               reported = k + report_samples - 1
+            end if
+            next = min(last, merge(reported, k + look_samples - 1, stretch%vanished))
+            call run_stretch(filter, z(k:next), level, stretch)
+            k = next + 1
+         end do
+         measurements = measurements + stretch%samples - merge(1, 0, known%flat > 0)
+         call join(filter, stretch, known, deviance)
       end do
-      if (lane%measurements < 1) then
-         call fatal_error(error, status%too_few_samples, "the likelihood of a drift model needs more samples")
-      else if (k <= size(z, kind=int64)) then
-         call fatal_error(error, status%singular, "a drift model predicts a measurement without error: it has no likelihood")
+      if (measurements < 1) then
+         call fatal_error(error, status%too_few_samples, &
+            "the likelihood of a drift model needs more samples")
+         return
       end if
-      if (allocated(error)) return
-      value = -0.5_dp*(real(lane%measurements, dp)*log_two_pi + lane%logarithms + lane%squares)
-      if (.not. present(gradient)) return
-      gradient(:2*model%count + 1) = -0.5_dp*lane%slope(:2*model%count + 1)
-      if (lane%state%walk > 0) gradient(lane%state%walk) = 0.0_dp
+      value = -0.5_dp*(real(measurements, dp)*log_two_pi + deviance(0))
+      if (present(gradient)) gradient(:2*model%count + 1) = -0.5_dp*deviance(1:2*model%count + 1)
+
+   contains
+
+      !> Whether there is a measurement.
+      logical function is_here(at)
+         integer(int64), intent(in) :: at
+
+         ! is_sample, inline
+         is_here = iand(shiftr(transfer(z(at), 0_int64), 52), exponent_mask) < exponent_limit
+         if (present(valid)) is_here = is_here .and. valid(at) /= 0_int8
+      end function is_here
    end subroutine component_likelihood
 
-   !> State and derivatives before the first sample.
-   pure subroutine begin(model, derive, lane)
+   !> Before the first sample: stationary; a random walk is not known.
+   pure subroutine begin(model, filter, known)
       type(component_model_type), intent(in) :: model
-      !> The gradient is wanted
-      logical, intent(in) :: derive
-      type(lane_type), intent(out) :: lane
-      real(dp) :: rest
-      integer :: i, n
+      type(steady_filter_type), intent(in) :: filter
+      type(known_type), intent(out) :: known
+      real(dp) :: rest(0:last_lane)
+      integer :: i
 
-      lane%model = model
-      lane%derive = derive
-      n = model%count
-      call start_components(model, lane%state)
-      do i = 1, n
-         if (i == lane%state%walk) cycle
-         rest = (1.0_dp - model%phi(i))*(1.0_dp + model%phi(i))
-         lane%dcov(i, i, i) = 2.0_dp*model%phi(i)*model%q(i)/rest**2
-         lane%dcov(n + i, i, i) = 1.0_dp/rest
+      do i = 1, model%count
+         if (model%phi(i) >= 1.0_dp) then
+            known%flat = i
+         else
+            rest = -2.0_dp*model%phi(i)*filter%phi(:, i)
+            rest(0) = (1.0_dp - model%phi(i))*(1.0_dp + model%phi(i))
+            known%p(:, i, i) = quotient(filter%q(:, i), rest)
+         end if
       end do
    end subroutine begin
 
-   !> A step before everything has settled.
-   pure subroutine step(lane, z, here)
-      type(lane_type), intent(inout) :: lane
-      real(dp), intent(in) :: z
-      !> There is a measurement
-      logical, intent(in) :: here
-      real(dp) :: share
-      logical :: counts
-
-      if (lane%derive) call derive_prediction(lane%model, lane%state, lane%dx, lane%dcov)
-      call predict_components(lane%model, lane%state)
-      if (.not. here) then
-         if (lane%settling%settled .or. lane%look > 0 .or. allocated(lane%settling%judged)) lane%settling = settling_type()
-         lane%look = 0
-         return
-      end if
-      counts = lane%state%started
-      if (lane%derive .and. counts) then
-         call derive_correction(lane%model, lane%state, z, lane)
-      else if (lane%derive) then
-         call derive_level(lane%model%count, lane%state%walk, lane%dx, lane%dcov)
-      end if
-      call correct_components(lane%model%count, lane%model%r, z, lane%state)
-      if (.not. counts) return
-      lane%measurements = lane%measurements + 1
-      associate (s => lane%state%variance, e => lane%state%innovation)
-         if (.not. s > 0.0_dp) return
-         share = e/s
-         lane%logarithms = lane%logarithms + log(s)
-         lane%squares = lane%squares + e*share
-         if (lane%derive) lane%slope = lane%slope + lane%ds*((1.0_dp - e*share)/s) + (2.0_dp*share)*lane%de
-      end associate
-      lane%look = lane%look + 1
-      if (lane%look == test_interval) call look(lane)
-   end subroutine step
-
-   !> Derivatives of the prediction.
-   pure subroutine derive_prediction(model, state, dx, dcov)
-      type(component_model_type), intent(in) :: model
-      !> Before it
-      type(component_state_type), intent(in) :: state
-      real(dp), intent(inout) :: dx(padded, *), dcov(padded, most_components, *)
+   !> Prediction over missing samples.
+   pure subroutine predict_gap(filter, samples, known)
+      type(steady_filter_type), intent(in) :: filter
+      integer(int64), intent(in) :: samples
+      type(known_type), intent(inout) :: known
+      integer(int64) :: k
       integer :: i, j
 
-      do j = 1, model%count
-         do i = 1, j
-            dcov(:, i, j) = (model%phi(i)*model%phi(j))*dcov(:, i, j)
-            dcov(i, i, j) = dcov(i, i, j) + model%phi(j)*state%p(i, j)
-            dcov(j, i, j) = dcov(j, i, j) + model%phi(i)*state%p(i, j)
+      ! nothing was measured: the others are stationary
+      if (known%flat > 0) return
+      do k = 1, samples
+         do j = 1, filter%n
+            known%x(:, j) = product_of(filter%phi(:, j), known%x(:, j))
+            do i = 1, filter%n
+               known%p(:, i, j) = &
+                  product_of(filter%phi(:, i), product_of(filter%phi(:, j), known%p(:, i, j)))
+            end do
+            known%p(:, j, j) = known%p(:, j, j) + filter%q(:, j)
          end do
-         if (state%started .or. j /= state%walk) dcov(model%count + j, j, j) = dcov(model%count + j, j, j) + 1.0_dp
-         dx(:, j) = model%phi(j)*dx(:, j)
-         dx(j, j) = dx(j, j) + state%x(j)
       end do
-   end subroutine derive_prediction
+   end subroutine predict_gap
 
-   !> Derivatives of the correction.
-   pure subroutine derive_correction(model, state, z, lane)
-      type(component_model_type), intent(in) :: model
-      !> The prediction
-      type(component_state_type), intent(in) :: state
-      !> The measurement
-      real(dp), intent(in) :: z
-      type(lane_type), intent(inout) :: lane
-      real(dp), dimension(most_components) :: c, gain
-      real(dp) :: dc(padded, most_components), e, s, share
+   !> Adds a stretch to the likelihood: the shift of its start is estimated and integrated out.
+   pure subroutine join(filter, stretch, known, deviance)
+      type(steady_filter_type), intent(in) :: filter
+      type(stretch_type), intent(in) :: stretch
+      !> Before the stretch; behind it afterwards
+      type(known_type), intent(inout) :: known
+      !> -2 ln L without its ln 2 pi
+      real(dp), intent(inout) :: deviance(0:last_lane)
+      real(dp), dimension(0:last_lane, most_components, most_components) :: gram, system, shift, &
+         power
+      real(dp), dimension(0:last_lane, most_components) :: b
+      real(dp) :: term(0:last_lane)
       integer :: i, j, n
 
-      n = model%count
-      s = model%r
-      e = z
-      lane%ds = 0.0_dp
-      lane%ds(2*n + 1) = 1.0_dp
-      lane%de = 0.0_dp
-      do i = 1, n
-         c(i) = sum(state%p(:n, i))
-         s = s + c(i)
-         e = e - state%x(i)
-         dc(:, i) = 0.0_dp
-         do j = 1, n
-            dc(:, i) = dc(:, i) + lane%dcov(:, min(i, j), max(i, j))
-         end do
-         lane%ds = lane%ds + dc(:, i)
-         lane%de = lane%de - lane%dx(:, i)
-      end do
-      if (.not. s > 0.0_dp) return
-      share = 1.0_dp/s
+      n = filter%n
+      term = 2.0_dp*stretch%squares
+      term(0) = stretch%squares(0)
+      deviance = deviance + real(stretch%samples, dp)*logarithm(filter%s) + quotient(term, filter%s)
+      gram = stretch%gram
+      gram(0, :, :) = 0.5_dp*gram(0, :, :)
+      b = stretch%b
+      b(0, :) = 0.5_dp*b(0, :)
       do j = 1, n
-         gain(j) = c(j)*share
-         lane%dgain(:, j) = (dc(:, j) - gain(j)*lane%ds)*share
-         lane%dx(:, j) = lane%dx(:, j) + lane%dgain(:, j)*e + gain(j)*lane%de
-         do i = 1, j
-            lane%dcov(:, i, j) = lane%dcov(:, i, j) - lane%dgain(:, i)*c(j) - gain(i)*dc(:, j)
+         b(:, j) = quotient(b(:, j), filter%s)
+         do i = 1, n
+            gram(:, i, j) = quotient(gram(:, i, j), filter%s)
          end do
       end do
-   end subroutine derive_correction
-
-   !> Derivatives of the first correction of a random walk: its estimate is what the others leave of the measurement.
-   pure subroutine derive_level(n, walk, dx, dcov)
-      integer, intent(in) :: n, walk
-      real(dp), intent(inout) :: dx(padded, *), dcov(padded, most_components, *)
-      real(dp) :: dc(padded, most_components), total(padded)
-      integer :: i, j
-
-      total = 0.0_dp
-      total(2*n + 1) = 1.0_dp
-      do i = 1, n
-         dc(:, i) = 0.0_dp
-         do j = 1, n
-            if (i /= walk .and. j /= walk) dc(:, i) = dc(:, i) + dcov(:, min(i, j), max(i, j))
-         end do
-         total = total + dc(:, i)
-      end do
-      dx(:, walk) = 0.0_dp
-      do i = 1, n
-         if (i == walk) cycle
-         dx(:, walk) = dx(:, walk) - dx(:, i)
-         dcov(:, min(i, walk), max(i, walk)) = -dc(:, i)
-      end do
-      dcov(:, walk, walk) = total
-   end subroutine derive_level
-
-   !> Whether gain, S and their derivatives have come to rest.
-   pure subroutine look(lane)
-      type(lane_type), intent(inout) :: lane
-      real(dp) :: numbers(most_components, 0:2*padded + 1)
-      integer :: k, n
-
-      n = lane%model%count
-      numbers = 0.0_dp
-      numbers(:n, 0) = lane%state%gain(:n)
-      numbers(1, 1) = lane%state%variance
-      do k = 1, padded
-         numbers(:n, 2*k) = lane%dgain(k, :n)
-         numbers(1, 2*k + 1) = lane%ds(k)
-      end do
-      call judge_settling(lane%settling, numbers)
-      lane%look = 0
-   end subroutine look
-
-   !> Steps with the steady gain, up to the next missing sample.
-   pure subroutine run_settled(lane, z, end, k, valid)
-      type(lane_type), intent(inout) :: lane
-      !> The series, [n]
-      real(dp), intent(in), contiguous :: z(:)
-      !> The last sample that may be taken
-      integer(int64), intent(in) :: end
-      !> The next sample; the first one behind these steps afterwards
-      integer(int64), intent(inout) :: k
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: first, last
-
-      first = k
-      last = first - 1
-      do while (last < end)
-         if (.not. is_sample(z(last + 1))) exit
-         if (present(valid)) then
-            if (valid(last + 1) == 0_int8) exit
-         end if
-         last = last + 1
-      end do
-      k = last + 1
-      if (last < first) return
-      if (lane%derive) then
-         call derive_settled(lane, z(first:last))
-      else
-         call filter_settled(lane, z(first:last))
+      shift = known%p - filter%p                           ! D, or in a flat direction 1
+      if (known%flat > 0) then
+         shift(:, known%flat, :) = 0.0_dp
+         shift(:, :, known%flat) = 0.0_dp
+         shift(0, known%flat, known%flat) = 1.0_dp
       end if
-   end subroutine run_settled
-
-   !> Steps with the steady gain, without derivatives.
-   pure subroutine filter_settled(lane, z)
-      type(lane_type), intent(inout) :: lane
-      !> Measurements, [n]
-      real(dp), intent(in), contiguous :: z(:)
-      real(dp) :: x(most_components), phi(most_components), gain(most_components), e, squares
-      integer(int64) :: k
-      integer :: n
-
-      n = lane%model%count
-      x = lane%state%x
-      phi = lane%model%phi
-      gain = lane%state%gain
-      x(n + 1:) = 0.0_dp
-      gain(n + 1:) = 0.0_dp
-      squares = 0.0_dp
-      do k = 1, size(z, kind=int64)
-         x = phi*x
-         e = z(k) - (x(1) + x(2) + x(3))
-         x = x + gain*e
-         squares = squares + e*e
+      call multiply(n, shift, gram, system)                ! less I the transpose of I + G D
+      do j = 1, n
+         if (j /= known%flat) system(0, j, j) = system(0, j, j) + 1.0_dp
       end do
-      lane%state%x = x
-      call add_settled(lane, size(z, kind=int64), squares)
-   end subroutine filter_settled
-
-   !> Steps with the steady gain, with the derivatives.
-   pure subroutine derive_settled(lane, z)
-      type(lane_type), intent(inout) :: lane
-      !> Measurements, [n]
-      real(dp), intent(in), contiguous :: z(:)
-      real(dp) :: e, before, squares, de(padded), products(padded), dx(padded, most_components)
-      integer(int64) :: k
-      integer :: j, n
-
-      n = lane%model%count
-      squares = 0.0_dp
-      products = 0.0_dp
-      dx = lane%dx
-      associate (x => lane%state%x, phi => lane%model%phi, gain => lane%state%gain, s => lane%state%variance)
-         do k = 1, size(z, kind=int64)
-            e = z(k)
-            de = 0.0_dp
-            do j = 1, n
-               before = x(j)
-               x(j) = phi(j)*before
-               e = e - x(j)
-               dx(:, j) = phi(j)*dx(:, j)
-               dx(j, j) = dx(j, j) + before
-               de = de - dx(:, j)
-            end do
-            do j = 1, n
-               x(j) = x(j) + gain(j)*e
-               dx(:, j) = dx(:, j) + lane%dgain(:, j)*e + gain(j)*de
-            end do
-            squares = squares + e*e
-            products = products + e*de
+      call solve(n, system, shift, deviance)               ! gives (D^-1 + G)^-1, which is symmetric
+      do j = 1, n
+         do i = 1, n
+            deviance = deviance - product_of(b(:, i), product_of(shift(:, i, j), b(:, j)))
          end do
-         lane%dx = dx
-         lane%slope = lane%slope + (lane%ds*(real(size(z, kind=int64), dp) - squares/s) + 2.0_dp*products)/s
-      end associate
-      call add_settled(lane, size(z, kind=int64), squares)
-   end subroutine derive_settled
-
-   !> Sums of steps with the steady gain.
-   pure subroutine add_settled(lane, measurements, squares)
-      type(lane_type), intent(inout) :: lane
-      integer(int64), intent(in) :: measurements
-      !> Of the innovations
-      real(dp), intent(in) :: squares
-
-      lane%logarithms = lane%logarithms + real(measurements, dp)*log(lane%state%variance)
-      lane%squares = lane%squares + squares/lane%state%variance
-      lane%measurements = lane%measurements + measurements
-   end subroutine add_settled
+      end do
+      known%x = stretch%x
+      known%p = filter%p
+      known%flat = 0
+      if (stretch%vanished) return
+      call raise(n, filter%l, stretch%samples, power)
+      call multiply(n, power, shift, system)
+      do j = 1, n
+         do i = 1, n
+            known%x(:, i) = known%x(:, i) + product_of(system(:, i, j), b(:, j))
+         end do
+      end do
+      call multiply(n, system, reshape(power, shape(power), order=[1, 3, 2]), shift)
+      known%p = known%p + shift
+   end subroutine join
 
 end module gyroakf_filter_likelihood

@@ -6,12 +6,14 @@ module gyroakf_filter_measurement
    private
    public :: is_sample, exponent_mask, exponent_limit
 
-   !> The bits of the exponent, shifted to the right, and the exponent from which on a square may overflow
+   !> The bits of the exponent, shifted to the right, and the exponent from which on a square may
+   !> overflow
    integer(int64), parameter :: exponent_mask = 2047_int64, exponent_limit = 1023_int64 + 495_int64
 
 contains
 
-   !> Whether a value is a measurement: finite and below 1e149 in magnitude, so that its square is finite too.
+   !> Whether a value is a measurement: finite and below 1e149 in magnitude, so that its square is
+   !> finite too.
    !>
    !> By the exponent's bits: a NaN meets no comparison, so nothing traps.
    elemental logical function is_sample(z)

@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> The filter of an AR(p) state in one array of numbers, which the caller keeps: for programs that have arrays only, write their
-!> state to a file, or hold many filters side by side. Steps allocate nothing.
+!> The filter of an AR(p) state in one array of numbers, which the caller keeps: for programs that
+!> have arrays only, write their state to a file, or hold many filters side by side. Steps allocate
+!> nothing.
 !>
-!> The recursion is that of [[gyroakf_filter_kalman(module)]]; for p > 1 the numbers are the same to the last bit.
+!> The recursion is that of [[gyroakf_filter_kalman(module)]]; for p > 1 the numbers are the same to
+!> the last bit.
 module gyroakf_filter_packed
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_filter_types, only : filter_type
@@ -63,16 +65,21 @@ contains
       type(filter_type), intent(in) :: filter
       real(dp), intent(inout) :: state(:)
 
-      state(3:8) = [filter%q, filter%r, filter%q_mean, filter%r_mean, filter%innovation, filter%innovation_variance]
-      state(9:14) = real([filter%steps, filter%clamped, filter%gated, filter%measurements, filter%q_at_floor, &
+      state(3:8) = [filter%q, filter%r, filter%q_mean, filter%r_mean, filter%innovation, &
+         filter%innovation_variance]
+      state(9:14) = &
+         real([filter%steps, filter%clamped, filter%gated, filter%measurements, filter%q_at_floor, &
                           filter%r_at_floor], dp)
       state(15:17) = real([filter%wait, filter%weight_updates, filter%run], dp)
       state(18) = filter%weight
       state(19:22) = [filter%q_bounds, filter%r_bounds]
       state(23) = filter%consistency
       state(24:25) = [filter%options%forgetting, filter%options%huber]
-      state(26:35) = merge(1.0_dp, 0.0_dp, [filter%frozen, filter%settled, filter%adaptive, filter%varying, filter%by_residual, &
-         & filter%by_posterior, filter%options%estimate_process_mean, filter%options%estimate_measurement_mean, &
+      state(26:35) = &
+         merge(1.0_dp, 0.0_dp, [filter%frozen, filter%settled, filter%adaptive, filter%varying, &
+         filter%by_residual, &
+         & filter%by_posterior, filter%options%estimate_process_mean, &
+         & filter%options%estimate_measurement_mean, &
          & filter%options%estimate_process_variance, filter%options%estimate_measurement_variance])
    end subroutine put_numbers
 
@@ -154,7 +161,8 @@ contains
       integer :: n
 
       n = nint(state(2))
-      numbers = [state(head + n + 1), state(head + 5*n + 1), state(head + 2*n + 1), state(7), state(8), state(5), state(6), &
+      numbers = [state(head + n + 1), state(head + 5*n + 1), state(head + 2*n + 1), state(7), &
+         state(8), state(5), state(6), &
          & state(3), state(4)]
    end subroutine packed_numbers
 

@@ -2,25 +2,30 @@
 !> Sage-Husa adaptation of the noise means q, r and variances Q, R, and the gate before it.
 !>
 !> With the innovation e, its variance S = P- + R, the first gain K and the weight
-!> $ d_k = (1 - b)/(1 - b^{k+1}) $ the corrected recursion is, exactly (an identity, not an approximation):
+!> $ d_k = (1 - b)/(1 - b^{k+1}) $ the corrected recursion is, exactly (an identity, not an
+!> approximation):
 !> $$ Q \leftarrow Q + d K^2 (e^2 - S) \qquad q \leftarrow q + d K e \qquad r \leftarrow r + d e $$
 !> and for R, by form:
 !> $$ \text{exact: } R + d (e^2 - S) \qquad \text{residual: } R + d (R/S)^2 (e^2 - S) $$
-!> $$ \text{paper: } R + d (e^2 - S + P^- - P) \qquad \text{biased: } R + d [(R/S)^2 (e^2 - S) + P^- - P] $$
+!> $$ \text{paper: } R + d (e^2 - S + P^- - P) \qquad
+!>    \text{biased: } R + d [(R/S)^2 (e^2 - S) + P^- - P] $$
 !>
-!> "exact" subtracts H P- H' from e^2; "paper" subtracts the posterior, as eq. (22) of Yi et al. prints it;
-!> "residual" adds the posterior to the squared residual z - x - r and cannot turn negative; "biased" adds the
-!> prior there. One number, e^2 - S, drives Q and R alike: their sum is identifiable, their ratio is not.
+!> "exact" subtracts H P- H' from e^2; "paper" subtracts the posterior, as eq. (22) of Yi et al.
+!> prints it; "residual" adds the posterior to the squared residual z - x - r and cannot turn
+!> negative; "biased" adds the prior there. One number, e^2 - S, drives Q and R alike: their sum is
+!> identifiable, their ratio is not.
 !>
-!> Source: Sage & Husa, Adaptive filtering with unknown prior statistics, JACC 1969, 760-769. Against Yi et al.:
-!> eq. (20) with Phi P_{k-1} Phi', eq. (22) with the prior (but for "paper"), d_k with k counted from 1. The
-!> identities follow from P = P- - K S K'; a test compares them with the recursion written out.
+!> Source: Sage & Husa, Adaptive filtering with unknown prior statistics, JACC 1969, 760-769.
+!> Against Yi et al.: eq. (20) with Phi P_{k-1} Phi', eq. (22) with the prior (but for "paper"), d_k
+!> with k counted from 1. The identities follow from P = P- - K S K'; a test compares them with the
+!> recursion written out.
 module gyroakf_filter_sage_husa
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
-   public :: adapt_noise, gate_inflation, watch_level, consistency_factor, longest_run, shift_variance
+   public :: adapt_noise, gate_inflation, watch_level, consistency_factor, longest_run, &
+      shift_variance
 
    !> Gated innovations of one sign in succession after which the level is taken to have shifted
    integer, parameter :: longest_run = 10
@@ -29,7 +34,8 @@ module gyroakf_filter_sage_husa
 
 contains
 
-   !> One adaptation, after the state and its covariance have been corrected; counts the clamped steps.
+   !> One adaptation, after the state and its covariance have been corrected; counts the clamped
+   !> steps.
    pure subroutine adapt_noise(filter, innovation, s, prior)
       !> Its q, r, q_mean, r_mean, weight and counts change
       type(filter_type), intent(inout) :: filter
@@ -80,7 +86,6 @@ contains
 
    !> Holds a variance within its bounds.
    pure subroutine hold(value, bounds, at_floor, clamped)
-      !> The variance
       real(dp), intent(inout) :: value
       !> Smallest and largest
       real(dp), intent(in) :: bounds(2)
@@ -140,7 +145,8 @@ contains
       real(dp), intent(in) :: threshold
       real(dp), parameter :: root_half = sqrt(0.5_dp), density = 0.39894228040143267794_dp
 
-      consistency_factor = erf(threshold*root_half) - 2.0_dp*threshold*density*exp(-0.5_dp*threshold**2) &
+      consistency_factor = erf(threshold*root_half) &
+         - 2.0_dp*threshold*density*exp(-0.5_dp*threshold**2) &
          + threshold**2*erfc(threshold*root_half)
    end function consistency_factor
 end module gyroakf_filter_sage_husa

@@ -1,19 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> A filter put away and taken up again: it continues as if it had never stopped, to the last bit.
 !>
-!> What is kept: what the filter was made of (coefficients, variances, options), and what its steps have changed since. What
-!> follows from the former (bounds, steady gain) is computed again by [[new_filter]] or [[new_drift_filter]], which test it too.
-!> The form is words of 64 bits: eight letters, version, number of words, checksum of the words behind it, then the numbers as
-!> they are in memory. Words of a machine with another order of bytes are refused by the first of them.
-!>
-!> The checksum mixes halves of the words as FNV-1a does bytes (Fowler, Noll & Vo), in arithmetic that cannot overflow.
+!> What is kept: what the filter was made of (coefficients, variances, options), and what its steps
+!> have changed since. What follows from the former (bounds, steady gain) is computed again by
+!> [[new_filter]] or [[new_drift_filter]], which test it too. The form is words of 64 bits: eight
+!> letters, version, number of words, checksum of the words behind it, then the numbers as they are
+!> in memory. Words of a machine with another order of bytes are refused by the first of them.
 module gyroakf_filter_saving
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_filter_checksum, only : checksum
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
    public :: save_filter, restore_filter, reset_filter
@@ -37,7 +37,8 @@ module gyroakf_filter_saving
 
    !> A number, or numbers, to the box or out of it
    interface exchange
-      module procedure exchange_real, exchange_reals, exchange_integer, exchange_long, exchange_logical, exchange_text
+      module procedure exchange_real, exchange_reals, exchange_matrix, exchange_integer, &
+         exchange_long, exchange_logical, exchange_text
    end interface exchange
 
 contains
@@ -55,7 +56,8 @@ contains
       integer :: stat
 
       if (filter%order < 1) then
-         call fatal_error(error, status%invalid_argument, "a filter that was never made cannot be saved")
+         call fatal_error(error, status%invalid_argument, &
+            "a filter that was never made cannot be saved")
          return
       end if
       copy = filter
@@ -77,24 +79,29 @@ contains
       integer(int64), intent(in) :: word(:)
       !> The filter
       type(filter_type), intent(out) :: filter
-      !> `parse`: these are no words of a filter, of another version or byte order, cut short, or damaged; what making a filter
-      !> can give
+      !> `parse`: these are no words of a filter, of another version or byte order, cut short, or
+      !> damaged; what making a filter can give
       type(error_type), allocatable, intent(out) :: error
       type(filter_type) :: made
+      character(100) :: reason
       type(box_type) :: box
 
+      reason = ""
       if (size(word, kind=int64) <= header) then
-         call fatal_error(error, status%parse, "these bytes are too few for the state of a filter")
+         reason = "these bytes are too few for the state of a filter"
       else if (word(1) /= first_word) then
-         call fatal_error(error, status%parse, "these bytes are not the state of a filter, or of a machine of another byte order")
+         reason = "these bytes are not the state of a filter, or of a machine of another byte order"
       else if (word(2) /= version) then
-         call fatal_error(error, status%parse, "the state of a filter was saved by another version of the library")
+         reason = "the state of a filter was saved by another version of the library"
       else if (word(3) /= size(word, kind=int64)) then
-         call fatal_error(error, status%parse, "the state of a filter is cut short or has something behind it")
+         reason = "the state of a filter is cut short or has something behind it"
       else if (word(4) /= checksum(word(header + 1:))) then
-         call fatal_error(error, status%parse, "the state of a filter is damaged: its checksum differs")
+         reason = "the state of a filter is damaged: its checksum differs"
       end if
-      if (allocated(error)) return
+      if (reason /= "") then
+         call fatal_error(error, status%parse, trim(reason))
+         return
+      end if
       box%word = word
       call exchange_making(box, made)
       if (.not. box%bad) call make_again(made, filter, error)
@@ -114,7 +121,8 @@ contains
       type(filter_type) :: fresh
 
       if (filter%order < 1) then
-         call fatal_error(error, status%invalid_argument, "a filter that was never made cannot be reset")
+         call fatal_error(error, status%invalid_argument, &
+            "a filter that was never made cannot be reset")
          return
       end if
       call make_again(filter, fresh, error)
@@ -130,7 +138,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (made%drift_model%count > 0) then
-         call new_drift_filter(filter, made%drift_model, made%slow(:made%drift_model%count), made%options, error)
+         call new_drift_filter(filter, made%drift_model, made%slow(:made%drift_model%count), &
+            made%options, error)
       else
          call new_filter(filter, made%phi, made%asked_q, made%asked_r, made%options, error)
       end if
@@ -150,49 +159,42 @@ contains
       call exchange(box, filter%asked_q)
       call exchange(box, filter%asked_r)
       call exchange(box, filter%drift_model%count)
-      if (filter%drift_model%count < 0 .or. filter%drift_model%count > size(filter%slow)) box%bad = .true.
-      if (filter%drift_model%count > 0 .and. filter%order /= 1) box%bad = .true.
+      associate (processes => filter%drift_model%count)
+         if (processes < 0 .or. processes > size(filter%slow)) box%bad = .true.
+         if (processes > 0 .and. filter%order /= 1) box%bad = .true.
+      end associate
       call exchange(box, filter%drift_model%phi)
       call exchange(box, filter%drift_model%q)
       call exchange(box, filter%drift_model%r)
       do i = 1, size(filter%slow)
          call exchange(box, filter%slow(i))
       end do
-      call exchange_options(box, filter%options)
+      associate (options => filter%options)
+         call exchange(box, options%estimate_process_mean)
+         call exchange(box, options%estimate_measurement_mean)
+         call exchange(box, options%estimate_process_variance)
+         call exchange(box, options%estimate_measurement_variance)
+         call exchange(box, options%allow_unobservable)
+         call exchange(box, options%forgetting)
+         call exchange(box, options%measurement_form)
+         call exchange(box, options%burn_in)
+         call exchange(box, options%huber)
+         call exchange(box, options%r_scale)
+         call exchange(box, options%initial_variance)
+         call exchange(box, options%q_lower)
+         call exchange(box, options%q_upper)
+         call exchange(box, options%r_lower)
+         call exchange(box, options%r_upper)
+      end associate
    end subroutine exchange_making
-
-   !> Its options.
-   subroutine exchange_options(box, options)
-      type(box_type), intent(inout) :: box
-      type(filter_options), intent(inout) :: options
-
-      call exchange(box, options%estimate_process_mean)
-      call exchange(box, options%estimate_measurement_mean)
-      call exchange(box, options%estimate_process_variance)
-      call exchange(box, options%estimate_measurement_variance)
-      call exchange(box, options%allow_unobservable)
-      call exchange(box, options%forgetting)
-      call exchange(box, options%measurement_form)
-      call exchange(box, options%burn_in)
-      call exchange(box, options%huber)
-      call exchange(box, options%r_scale)
-      call exchange(box, options%initial_variance)
-      call exchange(box, options%q_lower)
-      call exchange(box, options%q_upper)
-      call exchange(box, options%r_lower)
-      call exchange(box, options%r_upper)
-   end subroutine exchange_options
 
    !> What its steps change.
    subroutine exchange_state(box, filter)
       type(box_type), intent(inout) :: box
       type(filter_type), intent(inout) :: filter
-      integer :: i
 
       call exchange(box, filter%x)
-      do i = 1, filter%order
-         call exchange(box, filter%p(:, i))
-      end do
+      call exchange(box, filter%p)
       call exchange(box, filter%gain)
       call exchange(box, filter%gain_sum)
       call exchange(box, filter%q)
@@ -215,16 +217,12 @@ contains
       call exchange(box, filter%run)
       call exchange(box, filter%settled)
       call exchange(box, filter%drift_gain_sum)
-      associate (state => filter%drift_state)
-         call exchange(box, state%x)
-         do i = 1, size(state%x)
-            call exchange(box, state%p(:, i))
-         end do
-         call exchange(box, state%gain)
-         call exchange(box, state%innovation)
-         call exchange(box, state%variance)
-         call exchange(box, state%started)
-      end associate
+      call exchange(box, filter%drift_state%x)
+      call exchange(box, filter%drift_state%p)
+      call exchange(box, filter%drift_state%gain)
+      call exchange(box, filter%drift_state%innovation)
+      call exchange(box, filter%drift_state%variance)
+      call exchange(box, filter%drift_state%started)
    end subroutine exchange_state
 
    !> A number of 64 bits.
@@ -266,6 +264,16 @@ contains
       end do
    end subroutine exchange_reals
 
+   subroutine exchange_matrix(box, value)
+      type(box_type), intent(inout) :: box
+      real(dp), intent(inout) :: value(:, :)
+      integer :: i
+
+      do i = 1, size(value, 2)
+         call exchange_reals(box, value(:, i))
+      end do
+   end subroutine exchange_matrix
+
    subroutine exchange_integer(box, value)
       type(box_type), intent(inout) :: box
       integer, intent(inout) :: value
@@ -300,26 +308,5 @@ contains
       call exchange_long(box, word)
       value = transfer(word, value)
    end subroutine exchange_text
-
-   !> FNV-1a over halves of the words, in 32 bits of state for each half of the result: no product overflows.
-   pure integer(int64) function checksum(word)
-      integer(int64), intent(in) :: word(:)
-      integer(int64), parameter :: low = 4294967295_int64
-      integer(int64) :: half(2), state(2)
-      integer(int64) :: k
-      integer :: i
-
-      state = [2166136261_int64, 2246822519_int64]
-      do k = 1, size(word, kind=int64)
-         half = [iand(word(k), low), iand(shiftr(word(k), 32), low)]
-         do i = 1, 2
-            state(i) = ieor(state(i), half(i))
-            ! times the prime 2^24 + 403: the product modulo 2^32 from two that stay below 2^63
-            state(i) = iand(shiftl(iand(state(i), 255_int64), 24) + 403_int64*state(i), low)
-         end do
-         state = [ieor(state(1), shiftr(state(2), 7)), ieor(state(2), shiftr(state(1), 9))]
-      end do
-      checksum = ior(shiftl(iand(state(1), 2147483647_int64), 32), state(2))
-   end function checksum
 
 end module gyroakf_filter_saving

@@ -1,61 +1,47 @@
 ! SPDX-License-Identifier: MIT
 !> The filter of a state of one coefficient over many samples, everything in registers.
 !>
-!> The same recursion as the general one (gyroakf_filter_kalman, gyroakf_filter_sage_husa), written out
-!> because a step of a few nanoseconds is wanted: the numbers of both agree to rounding, and a test says so.
+!> The same recursion as the general one (gyroakf_filter_kalman, gyroakf_filter_sage_husa), written
+!> out because a step of a few nanoseconds is wanted: the numbers of both agree to rounding, and a
+!> test says so.
 module gyroakf_filter_scalar
    use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_filter_components, only : settle_distance, vanished
    use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
    use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)
    private
-   public :: run_scalar, settle_distance, vanished
-
-   !> Relative distance from the steady gain at which the gain is taken as settled ...
-   real(dp), parameter :: settle_tolerance = 1.0e-13_dp
-   !> ... or, for slow filters, this in absolute terms (the recursion itself does not come nearer), but never farther
-   !> than this in relative ones
-   real(dp), parameter :: settle_rounding = 4.0_dp*epsilon(1.0_dp), settle_limit = 1.0e-9_dp
-   !> Below it a state without measurements is set to zero: no subnormal numbers in a long gap
-   real(dp), parameter :: vanished = 1.0e-290_dp
+   public :: run_scalar
 
    !> What changes from step to step, and what a step needs to know: plain numbers only, so that the
-   !> compiler keeps a local of this type in registers. It does so only while no component is an argument of a procedure
-   !> that is not inlined (no public one is in position-independent code): else every step goes through memory. What
-   !> adaptation changes has no neighbor here that is its neighbor in the filter: loaded as a pair, just after it was
-   !> stored one by one, it would hold up the next step
+   !> compiler keeps a local of this type in registers. It does so only while no component is an
+   !> argument of a procedure that is not inlined (no public one is in position-independent code):
+   !> else every step goes through memory. What adaptation changes has no neighbor here that is its
+   !> neighbor in the filter: loaded as a pair, just after it was stored one by one, it would hold
+   !> up the next step
    type :: lane_type
       real(dp) :: phi, phi2, state, p, r_mean, q, weight, r, forgetting, q_mean
       real(dp) :: prior, s, gain, share, innovation, square, clipped
-      real(dp) :: gate, inverse_consistency, q_low, q_high, r_low, r_high, gain_sum, steady_gain, pole
+      real(dp) :: gate, inverse_consistency, q_low, q_high, r_low, r_high
+      real(dp) :: gain_sum, steady_gain, pole
       integer(int64) :: used, clamped, gated, q_floor, r_floor
       integer :: wait, updates, run
-      logical :: adapt, adapt_q_mean, adapt_r_mean, adapt_q, adapt_r, by_residual, by_posterior, has_gate, varying, settled, &
-         & started
+      logical :: adapt, adapt_q_mean, adapt_r_mean, adapt_q, adapt_r, by_residual, by_posterior
+      logical :: has_gate, varying, settled, started
    end type lane_type
 
 contains
 
    !> What `is_sample` says, private here so that it is inlined in position-independent code too.
    elemental logical function is_number(z)
-      !> The value
       real(dp), intent(in) :: z
 
       is_number = iand(shiftr(transfer(z, 0_int64), 52), exponent_mask) < exponent_limit
    end function is_number
 
-   !> Distance from the steady gain K at which the gain has settled: at most 1e-12 of the innovations is then seen in the
-   !> output.
-   elemental real(dp) function settle_distance(steady_gain)
-      !> K, 0 ... 1
-      real(dp), intent(in) :: steady_gain
-
-      settle_distance = max(settle_tolerance*steady_gain, min(settle_rounding, settle_limit*steady_gain))
-   end function settle_distance
-
-   !> The filter over a series, or the next part of one. A single sample takes this way too: `advance` is inlined as long as
-   !> nothing else calls it.
+   !> The filter over a series, or the next part of one. A single sample takes this way too:
+   !> `advance` is inlined as long as nothing else calls it.
    pure subroutine run_scalar(filter, z, x, valid, normalised_innovation)
       !> Of order 1; its state goes on
       type(filter_type), intent(inout) :: filter
@@ -85,19 +71,24 @@ contains
       call store(lane, size(z, kind=int64), filter)
    end subroutine run_scalar
 
-   !> One step.
    pure subroutine advance(lane, z, here)
       type(lane_type), intent(inout) :: lane
-      !> The measurement
       real(dp), intent(in) :: z
-      !> Whether there is one
       logical, intent(in) :: here
 
-      if (.not. lane%started) then
-         if (here) call begin_walk(lane, z)
+      if (.not. (lane%started .or. here)) return
+      if (.not. lane%started) then               ! the estimate of a random walk that began anywhere
+         lane%state = z
+         lane%p = lane%r
+         lane%gain = 1.0_dp
+         lane%gain_sum = lane%gain_sum + 1.0_dp
+         lane%used = lane%used + 1
+         lane%started = .true.
       else if (.not. here) then
          call predict(lane)
-         call skip(lane)
+         if (abs(lane%state) < vanished) lane%state = 0.0_dp
+         lane%p = lane%prior
+         lane%settled = .false.
       else if (lane%varying) then
          call predict(lane)
          call weigh(lane)
@@ -108,24 +99,9 @@ contains
       end if
    end subroutine advance
 
-   !> The first measurement of a random walk that may have begun anywhere: it is the estimate, and has no innovation.
-   pure subroutine begin_walk(lane, z)
-      type(lane_type), intent(inout) :: lane
-      !> The measurement
-      real(dp), intent(in) :: z
-
-      lane%state = z
-      lane%p = lane%r
-      lane%gain = 1.0_dp
-      lane%gain_sum = lane%gain_sum + 1.0_dp
-      lane%used = lane%used + 1
-      lane%started = .true.
-   end subroutine begin_walk
-
    !> Constant q and r, no gate: once the gain has settled the step is x = phi (1 - K) x + K z.
    pure subroutine correct_fixed(lane, z)
       type(lane_type), intent(inout) :: lane
-      !> The measurement
       real(dp), intent(in) :: z
       real(dp) :: steady
 
@@ -146,16 +122,6 @@ contains
       lane%used = lane%used + 1
    end subroutine correct_fixed
 
-   !> A step without a measurement, after the prediction.
-   pure subroutine skip(lane)
-      type(lane_type), intent(inout) :: lane
-
-      if (abs(lane%state) < vanished) lane%state = 0.0_dp
-      lane%p = lane%prior
-      lane%settled = .false.
-   end subroutine skip
-
-   !> Prediction of the state and its variance.
    pure subroutine predict(lane)
       type(lane_type), intent(inout) :: lane
 
@@ -163,12 +129,13 @@ contains
       lane%prior = lane%phi2*lane%p + lane%q
    end subroutine predict
 
-   !> Variance of the innovation and gain. Each step waits for the gain of the one before: two divisions at a time are
-   !> ready earlier than one reciprocal and its products.
+   !> Variance of the innovation and gain. Each step waits for the gain of the one before: two
+   !> divisions at a time are ready earlier than one reciprocal and its products.
    pure subroutine weigh(lane)
       type(lane_type), intent(inout) :: lane
 
-      lane%s = (lane%phi2*lane%p + lane%r) + lane%q               ! Q is known last: one addition after it
+      ! Q is known last: one addition after it
+      lane%s = (lane%phi2*lane%p + lane%r) + lane%q
       lane%gain = lane%prior/lane%s
       lane%share = lane%r/lane%s
    end subroutine weigh
@@ -176,7 +143,6 @@ contains
    !> Estimate from the prediction and a measurement, gated.
    pure subroutine correct(lane, z)
       type(lane_type), intent(inout) :: lane
-      !> The measurement
       real(dp), intent(in) :: z
       real(dp) :: inflated, gain
       logical :: beyond
@@ -204,13 +170,14 @@ contains
       lane%gated = lane%gated + 1
       if (real(lane%run, dp)*lane%innovation < 0.0_dp) lane%run = 0
       lane%run = lane%run + merge(1, -1, lane%innovation > 0.0_dp)
-      if (abs(lane%run) > longest_run) then                       ! the level has shifted: believe the measurements
+      ! the level has shifted: believe the measurements
+      if (abs(lane%run) > longest_run) then
          lane%p = lane%p + shift_variance*lane%r
          lane%run = 0
       end if
    end subroutine correct
 
-   !> Adaptation of q, r, Q, R: `adapt_noise` of gyroakf_filter_sage_husa.
+   !> `adapt_noise` of gyroakf_filter_sage_husa.
    pure subroutine adapt(lane)
       type(lane_type), intent(inout) :: lane
       real(dp) :: excess, step
@@ -284,7 +251,6 @@ contains
       end if
    end subroutine load
 
-   !> The numbers of gate and adaptation.
    pure subroutine load_adaptation(filter, lane)
       type(filter_type), intent(in) :: filter
       type(lane_type), intent(inout) :: lane
@@ -315,7 +281,6 @@ contains
       lane%by_posterior = filter%by_posterior
    end subroutine load_adaptation
 
-   !> The numbers back into the filter after so many steps.
    pure subroutine store(lane, steps, filter)
       type(lane_type), intent(in) :: lane
       integer(int64), intent(in) :: steps
@@ -331,7 +296,12 @@ contains
       filter%gain_measurements = filter%gain_measurements + lane%used
       filter%measurements = filter%measurements + lane%used
       filter%steps = filter%steps + steps
-      if (filter%drift_model%count > 0) call store_drift(lane, filter)
+      if (filter%drift_model%count > 0) then
+         filter%drift_state%started = lane%started
+         filter%drift_state%x(1) = lane%state
+         filter%drift_state%p(1, 1) = lane%p
+         filter%drift_state%gain(1) = lane%gain
+      end if
       if (.not. lane%varying) return
       ! only what is adapted, and so one by one: see lane_type
       if (lane%adapt_q) filter%q = lane%q
@@ -347,15 +317,4 @@ contains
       filter%q_at_floor = filter%q_at_floor + lane%q_floor
       filter%r_at_floor = filter%r_at_floor + lane%r_floor
    end subroutine store
-
-   !> The same as the only process of a drift.
-   pure subroutine store_drift(lane, filter)
-      type(lane_type), intent(in) :: lane
-      type(filter_type), intent(inout) :: filter
-
-      filter%drift_state%started = lane%started
-      filter%drift_state%x(1) = lane%state
-      filter%drift_state%p(1, 1) = lane%p
-      filter%drift_state%gain(1) = lane%gain
-   end subroutine store_drift
 end module gyroakf_filter_scalar

@@ -1,21 +1,28 @@
 ! SPDX-License-Identifier: MIT
-!> The fixed-interval smoother of a drift model: each sample's drift from the whole record, before and after it.
+!> The fixed-interval smoother of a drift model: each sample's drift from the whole record, before
+!> and after it.
 !>
-!> With filtered estimates x_k, P_k, gains K, innovations e and their variances S, backwards from rho = 0, N = 0:
+!> With filtered estimates x_k, P_k, gains K, innovations e and their variances S, backwards from
+!> rho = 0, N = 0:
 !> $$ \hat x_k = x_k + P_k \rho_k, \quad V_k = P_k - P_k N_k P_k $$
 !> $$ \rho_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T \rho_k + \mathbf 1\, e_k/S_k \big], \quad
-!>    N_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T N_k (I - K \mathbf 1^T) + \mathbf 1 \mathbf 1^T/S_k \big] \Phi $$
-!> without an inverse of a covariance. The filter's states are kept at the beginnings of about sqrt(n) blocks and recomputed within
-!> a block: two forward passes and one backward, exact, memory O(sqrt n).
+!>    N_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T N_k (I - K \mathbf 1^T)
+!>    + \mathbf 1 \mathbf 1^T/S_k \big] \Phi $$
+
+!> without an inverse of a covariance. The filter's states are kept at the beginnings of about
+!> sqrt(n) blocks and recomputed within a block: two forward passes and one backward, exact, memory
+!> O(sqrt n).
 !>
-!> Source: Bryson & Frazier (1963); de Jong, J. Amer. Stat. Assoc. 84 (1989) 408-409; Durbin & Koopman, Time Series Analysis by
-!> State Space Methods, 2nd ed. (2012), 4.4.
+!> Source: Bryson & Frazier (1963); de Jong, J. Amer. Stat. Assoc. 84 (1989) 408-409; Durbin &
+!> Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 4.4.
 module gyroakf_filter_smoother
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_filter_components, only : component_model_type, component_state_type, most_components, check_components, &
-      start_components, predict_components, correct_components, settling_type, judge_settling
+   use gyroakf_filter_components, only : component_model_type, component_state_type, &
+      most_components, check_components, correct_components, predict_components, &
+      settle_distance, start_components
+   use gyroakf_filter_drift_steady, only : steady_drift_gain
    use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
@@ -23,9 +30,6 @@ module gyroakf_filter_smoother
 
    !> Samples of a block, at least
    integer(int64), parameter :: shortest_block = 1024
-
-   !> Samples between two tests whether the filter is stationary
-   integer(int64), parameter :: test_interval = 64
 
    !> What the way back needs of a sample: the state behind it
    type :: smoother_step_type
@@ -54,7 +58,8 @@ contains
       real(dp), intent(in), contiguous :: z(:)
       !> Its drift, also where samples are missing: [n]; not the same array as z
       real(dp), intent(out), contiguous :: drift(:)
-      !> invalid_argument (sizes, model), non_finite, unstable, too_few_samples (none is present), no_memory, cancelled
+      !> invalid_argument (sizes, model), non_finite, unstable, too_few_samples (none is present),
+      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -67,15 +72,18 @@ contains
       type(component_state_type), allocatable :: start(:)
       type(smoother_step_type), allocatable :: step(:)
       type(component_state_type) :: state
-      type(settling_type) :: settling
+      real(dp) :: steady(most_components)
+      logical :: settled
       type(smoother_back_type) :: back
+      type(error_type), allocatable :: failed
       integer(int64) :: n, length, blocks, b, from, to, seen
       integer :: stat
 
       n = size(z, kind=int64)
       call check_components(model, error)
       if (allocated(error)) return
-      call check_sizes(n, size(drift, kind=int64), size(slow) == model%count, error, valid, variance, white)
+      call check_sizes(n, size(drift, kind=int64), size(slow) == model%count, error, valid, &
+         variance, white)
       if (allocated(error)) return
       length = block_of(n)
       blocks = (n + length - 1)/length
@@ -85,25 +93,30 @@ contains
          call fatal_error(error, status%no_memory, "no memory for the states of the smoother")
          return
       end if
+      call steady_drift_gain(model, steady, failed)
+      if (allocated(failed)) steady = 0.0_dp
       call start_components(model, state)
+      settled = .false.
       seen = 0
       do b = 1, blocks
          start(b) = state
          from = (b - 1)*length + 1
          to = min(n, b*length)
-         call advance_smoother(model, z, from, to, state, settling, step, seen, valid, white)
+         call advance_smoother(model, z, from, to, state, steady, settled, step, seen, valid, white)
          call report_progress("smoothing", to, 2*n, error, progress)
          if (allocated(error)) return
       end do
       if (seen == 0) then
-         call fatal_error(error, status%too_few_samples, "a drift is smoothed out of measurements, and there is none")
+         call fatal_error(error, status%too_few_samples, &
+            "a drift is smoothed out of measurements, and there is none")
          return
       end if
       do b = blocks, 1, -1
          from = (b - 1)*length + 1
          to = min(n, b*length)
-         settling = settling_type()
-         if (b < blocks) call advance_smoother(model, z, from, to, start(b), settling, step, seen, valid, white)
+         settled = .false.
+         if (b < blocks) call advance_smoother(model, z, from, to, start(b), steady, settled, &
+                                              step, seen, valid, white)
          call smooth_back(model, slow, step, from, to, back, drift, variance)
          call report_progress("smoothing", 2*n - from, 2*n, error, progress)
          if (allocated(error)) return
@@ -133,19 +146,23 @@ contains
       if (present(valid)) same = same .and. size(valid, kind=int64) == n
       if (present(variance)) same = same .and. size(variance, kind=int64) == n
       if (present(white)) same = same .and. size(white, kind=int64) == n
-      if (.not. same) call fatal_error(error, status%invalid_argument, "a smoother needs a series, an output and masks of one "// &
+      if (.not. same) call fatal_error(error, status%invalid_argument, &
+         "a smoother needs a series, an output and masks of one "// &
                                        "length, and a word for each process")
    end subroutine check_sizes
 
    !> The filter over a block; keeps every step.
-   pure subroutine advance_smoother(model, z, from, to, state, settling, step, seen, valid, white)
+   pure subroutine advance_smoother(model, z, from, to, state, steady, settled, step, seen, &
+                                    valid, white)
       type(component_model_type), intent(in) :: model
       real(dp), intent(in), contiguous :: z(:)
       !> First and last sample
       integer(int64), intent(in) :: from, to
       !> Before the block, behind it afterwards
       type(component_state_type), intent(inout) :: state
-      type(settling_type), intent(inout) :: settling
+      !> Gains that it settles to, and whether it has
+      real(dp), intent(in) :: steady(:)
+      logical, intent(inout) :: settled
       type(smoother_step_type), intent(inout), contiguous :: step(:)
       !> Measurements so far
       integer(int64), intent(inout) :: seen
@@ -166,18 +183,16 @@ contains
             now%counts = here .and. state%started
             now%begins = here .and. .not. state%started
             if (here) seen = seen + 1
-            if (settling%settled .and. here) then
+            if (settled .and. here) then
                state%x(:n) = model%phi(:n)*state%x(:n)
                state%innovation = z(k) - sum(state%x(:n))
                state%x(:n) = state%x(:n) + state%gain(:n)*state%innovation
             else
                call predict_components(model, state)
                if (here) call correct_components(n, r, z(k), state)
-               if (.not. here) then
-                  settling = settling_type()
-               else if (modulo(k, test_interval) == 0 .and. .not. present(white)) then
-                  call judge_settling(settling, reshape([state%gain(:n), state%variance], [n + 1, 1]))
-               end if
+               settled = now%counts .and. .not. present(white)
+               if (settled) settled = maxval(abs(state%gain(:n) - steady(:n))) <= &
+                                      settle_distance(maxval(steady(:n)))
             end if
             now%state = state
          end associate
@@ -207,7 +222,8 @@ contains
                if (present(variance)) call smooth_covariance(n, now%state%p, back)
             end if
             drift(k) = sum(back%x(:n), mask=slow)
-            if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) .and. spread(slow, 2, n))
+            if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) &
+               .and. spread(slow, 2, n))
             back%before = back%before .or. now%begins
             if (back%before) cycle
             if (present(variance)) call carry_covariance(model, now, back)
@@ -237,7 +253,8 @@ contains
 
       n = model%count
       if (now%counts) then
-         change = now%state%innovation/now%state%variance - dot_product(now%state%gain(:n), back%rho(:n))
+         change = now%state%innovation/now%state%variance &
+            - dot_product(now%state%gain(:n), back%rho(:n))
          back%rho(:n) = back%rho(:n) + change
       end if
       back%rho(:n) = model%phi(:n)*back%rho(:n)
@@ -269,7 +286,8 @@ contains
       end do
    end subroutine carry_covariance
 
-   !> Back by one sample before the first measurement: the processes are the same in both directions of time.
+   !> Back by one sample before the first measurement: the processes are the same in both directions
+   !> of time.
    pure subroutine predict_back(model, back)
       type(component_model_type), intent(in) :: model
       type(smoother_back_type), intent(inout) :: back

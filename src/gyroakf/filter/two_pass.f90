@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> The drift of a record whose white noise changes: its variance from both sides, then the fixed-interval smoother.
+!> The drift of a record whose white noise changes: its variance from both sides, then the
+!> fixed-interval smoother.
 !>
-!> The adaptive drift filter runs over the record and over the reversed record. Each gives the variance $ R_k $ that the samples
-!> before (behind) sample k let expect, times the factor by which the gate inflates it where the measurement does not fit. The
-!> smoother weighs the samples by their geometric mean
+!> The adaptive drift filter runs over the record and over the reversed record. Each gives the
+!> variance $ R_k $ that the samples before (behind) sample k let expect, times the factor by which
+!> the gate inflates it where the measurement does not fit. The smoother weighs the samples by their
+!> geometric mean
 !> $$ \ln R_k = \frac{w_k \ln R_k^+ + v_k \ln R_k^-}{w_k + v_k} $$
 !> with the numbers of samples that stand behind the two, $ (1 - b^m)/(1 - b) $ after m adaptations.
 module gyroakf_filter_two_pass
@@ -29,11 +31,13 @@ module gyroakf_filter_two_pass
 contains
 
    !> Smooths the drift out of a series whose white noise changes its variance.
-   subroutine smooth_adaptive(model, slow, options, z, drift, error, valid, variance, white, progress)
+   subroutine smooth_adaptive(model, slow, options, z, drift, error, valid, variance, white, &
+      progress)
       !> As new_drift_filter
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
-      !> Of the adaptive filter; `estimate_measurement_variance` is taken as set; a burn-in that is found (-1) is n/10 at most
+      !> Of the adaptive filter; `estimate_measurement_variance` is taken as set; a burn-in that is
+      !> found (-1) is n/10 at most
       type(filter_options), intent(in) :: options
       !> Series, [n]; NaN counts as missing
       real(dp), intent(in), contiguous :: z(:)
@@ -59,7 +63,8 @@ contains
       adaptive = options
       adaptive%estimate_measurement_variance = .true.
       call new_drift_filter(filter, model, slow, adaptive, error)
-      if (.not. allocated(error)) call check_sizes(n, size(drift, kind=int64), .true., error, valid, variance, white)
+      if (.not. allocated(error)) call check_sizes(n, size(drift, kind=int64), .true., error, &
+         valid, variance, white)
       if (allocated(error)) return
       if (options%burn_in < 0) call shorten_burn_in(filter, n)
       allocate (r(n), stat=stat)
@@ -74,19 +79,17 @@ contains
       if (present(white)) white(:) = r
    end subroutine smooth_adaptive
 
-   !> The variance of the white noise that the samples before, and those behind, let expect: one thread each.
+   !> The variance of the white noise that the samples before, and those behind, let expect: one
+   !> thread each.
    subroutine weigh_both_ways(fresh, z, before, behind, error, valid, progress)
       !> As made
       type(filter_type), intent(in) :: fresh
-      !> Series, [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Variances, [n]
       real(dp), intent(inout), contiguous :: before(:), behind(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter(2)
       integer(int64) :: done, k, last, n
@@ -103,7 +106,8 @@ contains
          do way = 1, 2
             do k = done + 1, last
                if (way == 1) call weigh_sample(filter(1), z(k), is_here(z, k, valid), before(k))
-               if (way == 2) call weigh_sample(filter(2), z(n + 1 - k), is_here(z, n + 1 - k, valid), behind(n + 1 - k))
+               if (way == 2) call weigh_sample(filter(2), z(n + 1 - k), &
+                  is_here(z, n + 1 - k, valid), behind(n + 1 - k))
             end do
          end do
          !$omp end parallel do
@@ -122,7 +126,6 @@ contains
 
    !> A step of the filter, and the variance of the white noise that it expected.
    pure subroutine weigh_sample(filter, z, here, r)
-      !> Its state goes on
       type(filter_type), intent(inout) :: filter
       !> The sample, and whether it is there
       real(dp), intent(in) :: z
@@ -143,13 +146,11 @@ contains
    subroutine join_ways(fresh, z, before, behind, valid)
       !> The filter as made
       type(filter_type), intent(in) :: fresh
-      !> Series, [n]
       real(dp), intent(in), contiguous :: z(:)
       !> Variance from before, [n]; from both sides afterwards
       real(dp), intent(inout), contiguous :: before(:)
       !> From behind, [n]
       real(dp), intent(in), contiguous :: behind(:)
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       real(dp) :: share, weight
       integer(int64) :: k, left, seen
@@ -186,7 +187,8 @@ contains
       if (adapted <= 0) return
       memory = real(adapted, dp)
       associate (b => fresh%options%forgetting)
-         if (b < 1.0_dp) memory = (1.0_dp - b**min(adapted, int(fresh%weight_updates, int64)))/(1.0_dp - b)
+         if (b < 1.0_dp) memory = &
+            (1.0_dp - b**min(adapted, int(fresh%weight_updates, int64)))/(1.0_dp - b)
       end associate
    end function memory_of
 

@@ -6,7 +6,7 @@ module gyroakf_filter_vector_step
    use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, watch_level
-   use gyroakf_filter_scalar, only : settle_distance
+   use gyroakf_filter_components, only : settle_distance
    implicit none (type, external)
    private
    public :: step_vector

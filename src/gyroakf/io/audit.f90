@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The audit of a record: what the time stamps show, and what the values show.
 !>
-!> Samples are taken as evenly spaced at the mean rate. Samples were lost only where the lag, elapsed
-!> time * rate - count, rises and does not fall back ([[gyroakf_io_losses]]).
+!> Samples are taken as evenly spaced at the mean rate. Samples were lost only where the lag,
+!> elapsed time * rate - count, rises and does not fall back ([[gyroakf_io_losses]]).
 module gyroakf_io_audit
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
@@ -26,15 +26,15 @@ contains
 
    !> Counts what the stamps show and finds the gaps.
    subroutine audit_stamps(t, audit, gaps, error, rate_hz)
-      !> Stamps in s, none missing: [n]; afterwards without backward jumps and jumps that are not filled
+      !> s, none missing: [n]; afterwards without backward jumps and jumps that are not filled
       real(dp), intent(inout), contiguous :: t(:)
-      !> What they show: stamps, rate, duplicates, backward steps, bursts, jitter; `line_of_*` hold sample indices
+      !> What the stamps show; `line_of_*` hold sample indices
       type(audit_type), intent(inout) :: audit
       !> Where samples were lost
       type(gap_type), intent(out) :: gaps
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> Sample rate that was given, which decides between two that explain the stamps equally well, Hz; 0 (also if absent): none
+      !> Given sample rate, Hz, for stamps that two rates explain; 0 (also if absent): none
       real(dp), intent(in), optional :: rate_hz
       type(cadence_type) :: whole
       type(steps_type) :: work
@@ -67,14 +67,16 @@ contains
       end if
       audit%line_of_first(3) = gaps%first_jump
       if (gaps%count > 0) audit%line_of_first(3) = gaps%before(1)
-      if (gaps%count > 0 .and. gaps%first_jump > 0) audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
+      if (gaps%count > 0 .and. gaps%first_jump > 0) then
+         audit%line_of_first(3) = min(gaps%before(1), gaps%first_jump)
+      end if
       lost = sum(gaps%length(:gaps%count))
       if (t(n) > t(1)) audit%stamp_rate = real(n - 1 + lost, dp)/(t(n) - t(1))
       call measure_jitter(t, gaps, audit)
       call count_bursts(t, whole, audit)
    end subroutine audit_stamps
 
-   !> Finds the losses in each stretch of one rate; jumps that are too long to be filled are taken out of the stamps.
+   !> Finds the losses in each stretch of one rate; takes jumps too long to be filled out.
    subroutine audit_stretches(t, work, whole, change, given, audit, gaps)
       real(dp), intent(inout), contiguous :: t(:)
       type(steps_type), intent(inout) :: work
@@ -140,8 +142,9 @@ contains
                do k = 2, int(min(9_int64, i - 1))
                   if (t(i - k) < t(i)) exit
                end do
-               if (k <= min(9_int64, i - 1)) t(i - k + 1:i - 1) = t(i - k) + &
-                  [(j, j=1, k - 1)]*(t(i) - t(i - k))/k
+               if (k <= min(9_int64, i - 1)) then
+                  t(i - k + 1:i - 1) = t(i - k) + [(j, j=1, k - 1)]*(t(i) - t(i - k))/k
+               end if
                if (k <= min(9_int64, i - 1) .or. step > -10.0_dp*interval) cycle
                period = interval - step
             end if
@@ -154,14 +157,14 @@ contains
       end do
    end subroutine count_steps
 
-   !> The period after which a clock starts again, s; 0 where the stamps would not go on within 20
-   !> samples or half a percent of the period.
+   !> The period after which a clock starts again, s; 0 where the stamps would not go on soon.
    pure real(dp) function rollover_of(step, interval) result(period)
       real(dp), intent(in) :: step
       real(dp), intent(in) :: interval
       !> Day, GPS week; 16, 24, 31, 32 bits of us, 100 us and ms
-      real(dp), parameter :: periods(*) = [86400.0_dp, 604800.0_dp, 2.0_dp**[16, 24, 31, 32]*1.0e-6_dp, &
-         2.0_dp**[16, 24, 31, 32]*1.0e-4_dp, 2.0_dp**[16, 24, 31, 32]*1.0e-3_dp]
+      real(dp), parameter :: periods(*) = [86400.0_dp, 604800.0_dp, &
+         2.0_dp**[16, 24, 31, 32]*1.0e-6_dp, 2.0_dp**[16, 24, 31, 32]*1.0e-4_dp, &
+         2.0_dp**[16, 24, 31, 32]*1.0e-3_dp]
       integer :: k
 
       do k = 1, size(periods)
@@ -199,7 +202,7 @@ contains
       gaps%count = kept
    end subroutine join_jumps
 
-   !> The largest and the usual distance of a stamp from the even grid at the mean rate, and the rates of the halves.
+   !> The jitter, largest and rms distance from the even grid, and the rates of the halves.
    subroutine measure_jitter(t, gaps, audit)
       real(dp), intent(in), contiguous :: t(:)
       type(gap_type), intent(in) :: gaps
@@ -258,9 +261,11 @@ contains
          if (allocated(error)) return
          if (allocated(present_mask)) then
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))
-            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j), present_mask(:, j))
+            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), &
+               audit%quantisation(j), present_mask(:, j))
          else
-            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), audit%quantisation(j))
+            call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), &
+               audit%quantisation(j))
          end if
       end do
    end subroutine audit_values

@@ -1,17 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> Rows of binary numbers: interleaved (all columns of a row together) or column after column.
 !>
-!> A regular file is read by position, in blocks that several threads take and convert; doubles of one column go straight
-!> into their place. What comes through a pipe is read in order.
+!> A regular file is read by position, in blocks that several threads take and convert; doubles of
+!> one column go straight into their place. What comes through a pipe is read in order.
 module gyroakf_io_binary
-   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_int, c_loc, c_ptr
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_element, only : convert_elements, drop_infinite, element_name, element_type, is_native, swap_elements
+   use gyroakf_io_binary_block, only : binary_type, fill_rows, place_of, refuse_rest, skip_bytes, &
+      take_bytes
+   use gyroakf_io_element, only : element_name
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_source, only : read_block, source_type
+   use gyroakf_io_source, only : source_type
    use gyroakf_io_store, only : add_chunk, chunk_rows, count_rows
-   use gyroakf_io_system, only : read_at
    use gyroakf_io_table, only : table_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_record, only : add_text
@@ -19,37 +19,10 @@ module gyroakf_io_binary
    private
    public :: binary_type, read_binary_rows, refuse_rest, skip_bytes
 
-   !> Where the numbers of a file are
-   type :: binary_type
-      !> How a number is stored
-      type(element_type) :: element
-      !> Numbers of every row
-      integer(int64) :: columns = 1
-      !> Rows, -1: up to the end of the pipe
-      integer(int64) :: rows = -1
-      !> Several columns, column after column instead of row after row
-      logical :: by_columns = .false.
-      !> The first byte of the numbers, from 0
-      integer(int64) :: first = 0
-      !> Rows that were read
-      integer(int64) :: row = 0
-      !> For positioned reading, -1: in order from a source
-      integer(c_int) :: descriptor = -1
-      !> Bytes of a source that were read ahead, and the last of them that was used
-      integer(int8), allocatable :: head(:)
-      integer(int64) :: used = 0
-      !> Integers that lost digits
-      integer(int64) :: rounded = 0
-   end type binary_type
-
-   !> Bytes that are converted at once: they stay in the cache
-   integer(int64), parameter :: block_bytes = 262144
-   !> Rows of a chunk that is copied later: the record is not held twice then; so many values where they come through a pipe
+   !> Rows of a chunk that is copied later, so as not to hold all twice; values where from a pipe
    integer(int64), parameter :: part_rows = 1048576
    !> Values between two reports of progress
    integer(int64), parameter :: slice_values = 8388608
-   !> Bytes for which it pays to wake other threads
-   integer(int64), parameter :: worth_threads = 4194304
 
 contains
 
@@ -77,17 +50,20 @@ contains
          if (binary%descriptor < 0 .and. .not. binary%by_columns) then
             rows = max(1_int64, min(chunk_rows, part_rows/table%layout%stored))
          end if
-         if (table%layout%stored > size(table%chosen) .and. binary%descriptor >= 0) rows = min(rows, part_rows)
+         if (table%layout%stored > size(table%chosen) .and. binary%descriptor >= 0) then
+            rows = min(rows, part_rows)
+         end if
          if (binary%rows >= 0) rows = min(rows, binary%rows - binary%row)
          if (binary%by_columns .and. binary%descriptor < 0 .and. rows < binary%rows) then
-            call fatal_error(error, status%no_memory, table%name// &
-                             ": columns that come one after the other, compressed or through a pipe, have to be held as a whole"// &
-                             new_line("a")//"give the uncompressed file by its name")
+            call fatal_error(error, status%no_memory, table%name//": columns that "// &
+               "come one after the other, compressed or through a pipe, have to be held as a "// &
+               "whole"//new_line("a")//"give the uncompressed file by its name")
             return
          end if
          call add_chunk(table%store, rows, table%layout%stored, failed)
          if (failed /= 0) then
-            call fatal_error(error, status%no_memory, table%name//": no memory for "//integer_text(rows)//" rows")
+            call fatal_error(error, status%no_memory, table%name//": no memory for "// &
+               integer_text(rows)//" rows")
             return
          end if
          call fill_chunk(binary, source, table, error, progress)
@@ -122,19 +98,14 @@ contains
          end do
       end associate
       if (binary%rows >= 0) then
-         if (table%whole) call fatal_error(error, status%parse, table%name//": the file ends after "//integer_text(binary%row)// &
-            " of "//integer_text(binary%rows)//" rows"//new_line("a")//"it was cut off, or it changed while it was read")
+         if (table%whole) call fatal_error(error, status%parse, table%name// &
+            ": the file ends after "//integer_text(binary%row)//" of "// &
+            integer_text(binary%rows)//" rows"//new_line("a")// &
+            "it was cut off, or it changed while it was read")
          table%whole = binary%row == binary%rows
       end if
       if (table%whole .and. .not. allocated(error)) call finish(binary, source, table, error)
    end subroutine fill_chunk
-
-   !> Bytes that are behind it.
-   pure integer(int64) function place_of(binary)
-      type(binary_type), intent(in) :: binary
-
-      place_of = binary%first + binary%row*binary%columns*binary%element%bytes
-   end function place_of
 
    !> After the last row: warns of rounded integers; bytes that follow in a pipe are an error.
    subroutine finish(binary, source, table, error)
@@ -150,198 +121,16 @@ contains
                           "check what should have written it")
          return
       end if
-      if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)//" of the "// &
-         trim(element_name(binary%element))//" values are beyond 2^53 and were rounded to 16 digits")
+      if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)// &
+         " of the "//trim(element_name(binary%element))// &
+         " values are beyond 2^53 and were rounded to 16 digits")
       if (binary%descriptor >= 0 .or. binary%rows < 0) return
       call take_bytes(binary, source, more, got, error)
       if (allocated(error) .or. got == 0) return
-      call fatal_error(error, status%parse, table%name//": byte "//integer_text(place_of(binary))// &
-                       ": bytes follow the array of "//integer_text(binary%rows)//" rows that the header promises"// &
-                       new_line("a")//"give a file that holds one array")
+      call fatal_error(error, status%parse, table%name//": byte "// &
+         integer_text(place_of(binary))//": bytes follow the array of "// &
+         integer_text(binary%rows)//" rows that the header promises"//new_line("a")// &
+         "give a file that holds one array")
    end subroutine finish
-
-   !> Reads rows into value(:, :) behind some: by position several blocks at a time, else one after
-   !> the other.
-   subroutine fill_rows(binary, source, table, value, before, rows, got, error)
-      type(binary_type), intent(inout) :: binary
-      type(source_type), intent(inout) :: source
-      type(table_type), intent(in) :: table
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer(int64), intent(in) :: before, rows
-      integer(int64), intent(out) :: got
-      type(error_type), allocatable, intent(out) :: error
-      integer, allocatable :: column(:)
-      logical :: failed, refused, in_order
-      integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, short
-      integer :: tasks, piece
-
-      call stored_columns(table, column)
-      in_order = binary%descriptor < 0
-      tasks = 1
-      if (binary%by_columns) tasks = merge(int(binary%columns), size(column), in_order)
-      block_rows = block_bytes/binary%element%bytes
-      if (.not. binary%by_columns) block_rows = block_rows/binary%columns
-      if (is_native(binary%element) .and. (binary%by_columns .or. binary%columns == 1)) block_rows = 4*block_rows
-      block_rows = max(1_int64, block_rows)
-      blocks = (rows + block_rows - 1)/block_rows
-      missing = 0
-      rounded = 0
-      refused = .false.
-      !$omp parallel do schedule(dynamic) private(from, to, piece, short, failed) reduction(+:rounded) &
-      !$omp& reduction(max:missing) reduction(.or.:refused) if (.not. in_order .and. rows*size(column)*8 > worth_threads)
-      do k = 0, blocks*tasks - 1
-         if (in_order .and. (missing > 0 .or. allocated(error))) cycle
-         from = before + 1 + modulo(k, blocks)*block_rows
-         to = min(before + rows, from + block_rows - 1)
-         piece = merge(1 + int(k/blocks), 0, binary%by_columns)
-         if (in_order .and. binary%by_columns) piece = merge(table%layout%slot(piece), -1, &
-            table%layout%slot(piece) > 0)
-         call read_part(binary, source, column, piece, before, from, to, value, rounded, short, failed, error)
-         refused = refused .or. failed
-         if (short > 0) missing = max(missing, before + rows - (to - short))
-      end do
-      !$omp end parallel do
-      binary%rounded = binary%rounded + rounded
-      got = rows - missing
-      if (refused) call fatal_error(error, status%io, table%name//": the system refused to read row "// &
-                                    integer_text(binary%row + got + 1)//new_line("a")//"check the disk, or copy the file")
-   end subroutine fill_rows
-
-   !> The column of the file that each stored column holds.
-   pure subroutine stored_columns(table, column)
-      type(table_type), intent(in) :: table
-      integer, allocatable, intent(out) :: column(:)
-      integer :: j
-
-      allocate (column(table%layout%stored))
-      do j = 1, table%layout%columns
-         if (table%layout%slot(j) > 0) column(table%layout%slot(j)) = j
-      end do
-   end subroutine stored_columns
-
-   !> Reads some rows, or those of one column where there is a piece; leaves them out where it is
-   !> below 0. Numbers of a file that need no conversion go straight into their place.
-   subroutine read_part(binary, source, column, piece, before, from, to, value, rounded, short, &
-      failed, error)
-      type(binary_type), intent(inout) :: binary
-      type(source_type), intent(inout) :: source
-      integer, intent(in) :: column(:), piece
-      integer(int64), intent(in) :: before, from, to
-      real(dp), intent(inout), contiguous, target :: value(:, :)
-      integer(int64), intent(inout) :: rounded
-      integer(int64), intent(out) :: short
-      logical, intent(out) :: failed
-      type(error_type), allocatable, intent(inout) :: error
-      integer(int64), allocatable, target :: buffer(:)
-      integer(int8), pointer, contiguous :: bytes(:)
-      integer(int64) :: row_bytes, offset, got, n
-
-      n = to - from + 1
-      failed = .false.
-      row_bytes = binary%element%bytes
-      offset = binary%first
-      if (piece > 0) offset = offset + (column(max(piece, 1)) - 1)*max(binary%rows, 0_int64)*row_bytes
-      if (piece == 0) row_bytes = row_bytes*binary%columns
-      offset = offset + (binary%row + from - before - 1)*row_bytes
-      if (binary%descriptor >= 0 .and. is_native(binary%element) .and. row_bytes == 8) then
-         call read_at(binary%descriptor, offset, c_loc(value(from, max(piece, 1))), 8*n, got, failed)
-         got = got/8
-         call drop_infinite(value(from:from + got - 1, max(piece, 1)))
-      else
-         allocate (buffer((n*row_bytes + 7)/8))
-         call c_f_pointer(c_loc(buffer), bytes, [n*row_bytes])
-         if (binary%descriptor >= 0) call read_at(binary%descriptor, offset, c_loc(buffer), &
-            n*row_bytes, got, failed)
-         if (binary%descriptor < 0) call take_bytes(binary, source, bytes, got, error)
-         if (binary%descriptor < 0 .and. modulo(got, row_bytes) /= 0 .and. &
-            .not. allocated(error)) then
-            call refuse_rest(binary, source%name, binary%row + from - before - 1 + got/row_bytes, &
-               modulo(got, row_bytes), error)
-         end if
-         got = got/row_bytes
-         if (piece >= 0) call spread_rows(binary, c_loc(buffer), column, piece, from, from + got - 1, value, rounded)
-      end if
-      short = n - got
-   end subroutine read_part
-
-   !> Converts rows that are at hand.
-   subroutine spread_rows(binary, address, column, piece, from, to, value, rounded)
-      type(binary_type), intent(in) :: binary
-      type(c_ptr), intent(in) :: address
-      integer, intent(in) :: column(:), piece
-      integer(int64), intent(in) :: from, to
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer(int64), intent(inout) :: rounded
-      integer(int64) :: width
-      integer :: j
-
-      width = merge(1_int64, binary%columns, piece > 0)
-      call swap_elements(address, (to - from + 1)*width, binary%element)
-      do j = max(piece, 1), merge(piece, size(column), piece > 0)
-         call convert_elements(address, binary%element, merge(1_int64, int(column(j), int64), piece > 0), width, &
-                               value(from:to, j), rounded)
-      end do
-   end subroutine spread_rows
-
-   !> The error for numbers that end within a row.
-   subroutine refuse_rest(binary, name, rows, rest, error)
-      !> Its layout is known
-      type(binary_type), intent(in) :: binary
-      !> Of the file
-      character(*), intent(in) :: name
-      !> Whole rows, and bytes behind them
-      integer(int64), intent(in) :: rows, rest
-      !> Allocated: parse
-      type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: row_bytes
-
-      row_bytes = binary%columns*binary%element%bytes
-      call fatal_error(error, status%parse, name//": byte "//integer_text(binary%first + rows*row_bytes)//": "// &
-                       integer_text(rest)//" bytes are left after "//integer_text(rows)//" rows of "// &
-                       integer_text(row_bytes)//" bytes ("//integer_text(binary%columns)//" x "// &
-                       trim(element_name(binary%element))//")"//new_line("a")// &
-                       "check type, `channels` and `skip`, or whether the file was cut off")
-   end subroutine refuse_rest
-
-   !> The next bytes of a source, those read ahead first.
-   subroutine take_bytes(binary, source, buffer, got, error)
-      type(binary_type), intent(inout) :: binary
-      type(source_type), intent(inout) :: source
-      integer(int8), intent(inout), contiguous :: buffer(:)
-      integer(int64), intent(out) :: got
-      type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: more
-
-      got = 0
-      if (allocated(binary%head)) then
-         got = min(size(buffer, kind=int64), size(binary%head, kind=int64) - binary%used)
-         buffer(:got) = binary%head(binary%used + 1:binary%used + got)
-         binary%used = binary%used + got
-      end if
-      if (got == size(buffer, kind=int64)) return
-      call read_block(source, buffer(got + 1:), more, error)
-      if (.not. allocated(error)) got = got + more
-   end subroutine take_bytes
-
-   !> Leaves out bytes of a source.
-   subroutine skip_bytes(binary, source, count, error)
-      !> In order
-      type(binary_type), intent(inout) :: binary
-      !> Open
-      type(source_type), intent(inout) :: source
-      !> How many; fewer where the source ends
-      integer(int64), intent(in) :: count
-      !> Allocated where reading fails: io
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8) :: buffer(4096)
-      integer(int64) :: left, got
-
-      left = count
-      do while (left > 0)
-         call take_bytes(binary, source, buffer(:min(left, 4096_int64)), got, error)
-         if (allocated(error) .or. got == 0) return
-         left = left - got
-      end do
-   end subroutine skip_bytes
 
 end module gyroakf_io_binary

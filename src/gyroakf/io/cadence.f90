@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> The sample interval from time stamps, the resolution of their clock, and samples that come in bursts.
+!> The sample interval from time stamps, the resolution of their clock, bursts of samples.
 !>
-!> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of interval \(T\), some of them
-!> lost and each with a jitter, the steps \(x\) are whole multiples of \(T\) with a scatter, and the coherence $$C(f) =
-!> \overline{\cos 2\pi f x}$$ has a maximum at \(f = 1/T\), whatever the pattern of the losses. \(1/T\) lies above the mean rate;
-!> of several maxima of about the same height the lowest counts (the others are its harmonics).
+!> All steps are counted in a histogram of 32 bins an octave. Where samples lie on an even grid of
+!> interval \(T\), some of them lost and each with a jitter, the steps \(x\) are whole multiples of
+!> \(T\) with a scatter, and the coherence $$C(f) = \overline{\cos 2\pi f x}$$ has a maximum at
+!> \(f = 1/T\), whatever the pattern of the losses. \(1/T\) lies above the mean rate; of several
+!> maxima of about the same height the lowest counts (the others are its harmonics).
 module gyroakf_io_cadence
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_record, only : audit_type
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
@@ -18,9 +19,9 @@ module gyroakf_io_cadence
    type :: cadence_type
       !> s from sample to sample where none is lost; 0 where the stamps do not rise
       real(dp) :: step = 0.0_dp
-      !> Smallest difference between two steps, s: the stamps count in it; 0 where it is below 1e-4 of the step
+      !> Smallest difference between two steps, s: the clock's resolution; 0 below 1e-4 of the step
       real(dp) :: resolution = 0.0_dp
-      !> Almost all steps are near the interval, or whole multiples of it: one lost sample is seen at its place
+      !> Almost all steps are near whole multiples of the interval: single losses have a place
       logical :: regular = .false.
       !> Share of the steps that are shorter than half of the interval, and longer than 1.5 of it
       real(dp) :: short = 0.0_dp, long = 0.0_dp
@@ -28,11 +29,11 @@ module gyroakf_io_cadence
 
    !> Steps looked at for the resolution
    integer, parameter :: resolution_steps = 4001
-   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s; what lies outside is in the outermost bins
+   !> The histogram: 32 bins an octave from 2^-40 s to 2^40 s, the outermost also for the rest
    integer, parameter :: mantissa_bits = 5, octaves = 80, bins = octaves*2**mantissa_bits
-   !> Lowest and highest rate looked for, in mean rates of the usual steps, and the distance of those tried
+   !> Lowest and highest rate tried, in mean rates of the usual steps, and their distance
    real(dp), parameter :: lowest_rate = 0.9_dp, highest_rate = 3.4_dp, rate_distance = 0.02_dp
-   !> Steps at least so coherent are those of an even grid; harmonics that are no more than this much higher do not count
+   !> Least coherence of an even grid; harmonics do not count unless higher by more than this
    real(dp), parameter :: least_coherence = 0.18_dp, harmonic_share = 0.9_dp
 
    !> Work space, not on the stack of the caller, which may be small
@@ -55,7 +56,7 @@ contains
       allocate (steps%total(bins), stat=stat)
       if (stat == 0) allocate (steps%number(bins), stat=stat)
       if (stat == 0) allocate (steps%some(resolution_steps), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a histogram of time steps")
+      call check_memory(stat, "a histogram of time steps", error)
    end subroutine new_steps
 
    !> The cadence of a series of stamps.
@@ -143,24 +144,20 @@ contains
       real(dp), intent(in), contiguous :: t(:)
       type(cadence_type), intent(inout) :: cadence
       real(dp) :: total
-      integer(int64) :: i, forward
+      integer(int64) :: n
 
+      n = size(t, kind=int64)
+      total = sum(t(2:) - t(:n - 1), t(2:) >= t(:n - 1))
       cadence%regular = .false.
-      total = 0.0_dp
-      forward = 0
-      do i = 2, size(t, kind=int64)
-         if (t(i) < t(i - 1)) cycle
-         total = total + (t(i) - t(i - 1))
-         forward = forward + 1
-      end do
       cadence%step = 0.0_dp
-      if (total > 0.0_dp) cadence%step = total/real(forward, dp)
+      if (total > 0.0_dp) cadence%step = total/count(t(2:) >= t(:n - 1), kind=int64)
    end subroutine use_mean
 
    !> The interval that the steps are whole multiples of, and whether they are.
    !>
-   !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever short. Where most of the time passes
-   !> in steps of more than 2.5 intervals, samples are delivered in bursts.
+   !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever
+   !> short. Where most of the time passes in steps of more than 2.5 intervals, samples are
+   !> delivered in bursts.
    pure subroutine choose_step(x, weight, flat, cadence)
       real(dp), intent(in), contiguous :: x(:), weight(:)
       real(dp), intent(in) :: flat
@@ -231,40 +228,32 @@ contains
    pure real(dp) function mean_interval(x, weight, interval)
       real(dp), intent(in), contiguous :: x(:), weight(:)
       real(dp), intent(in) :: interval
-      real(dp) :: time, count_intervals
-      integer :: k
+      logical :: near(size(x))
 
-      time = 0.0_dp
-      count_intervals = 0.0_dp
-      do k = 1, size(x)
-         if (x(k) <= 0.5_dp*interval .or. x(k) >= 4.5_dp*interval) cycle
-         time = time + weight(k)*x(k)
-         count_intervals = count_intervals + weight(k)*anint(x(k)/interval)
-      end do
+      near = x > 0.5_dp*interval .and. x < 4.5_dp*interval
       mean_interval = interval
-      if (count_intervals > 0.0_dp) mean_interval = time/count_intervals
+      if (any(near)) mean_interval = sum(weight*x, near)/sum(weight*anint(x/interval), near)
    end function mean_interval
 
-   !> The smallest difference between values, or between them and 0, that is more than rounding; the
-   !> value itself where all are the same.
-   pure real(dp) function smallest_difference(step, rounding)
+   !> The smallest difference between values, or between them and 0, that is more than rounding.
+   pure real(dp) function smallest_difference(step, rounding) result(found)
       real(dp), intent(in) :: step(:)
       real(dp), intent(in) :: rounding
       real(dp) :: last
       integer :: k
 
-      smallest_difference = huge(1.0_dp)
+      found = huge(1.0_dp)
       last = 0.0_dp
       do k = 1, size(step)
          if (step(k) <= 0.0_dp) cycle
-         if (step(k) - last > rounding) smallest_difference = min(smallest_difference, step(k) - last)
+         if (step(k) - last > rounding) found = min(found, step(k) - last)
          last = step(k)
       end do
-      if (smallest_difference >= huge(1.0_dp)) smallest_difference = 0.0_dp
+      if (found >= huge(1.0_dp)) found = 0.0_dp
    end function smallest_difference
 
-   !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between them, behind a long step; more
-   !> of them than a tick of the clock holds.
+   !> Counts bursts: three samples or more at once, with less than 0.3 of the usual step between
+   !> them, behind a long step; more of them than a tick of the clock holds.
    subroutine count_bursts(t, cadence, audit)
       !> Stamps, s
       real(dp), intent(in), contiguous :: t(:)

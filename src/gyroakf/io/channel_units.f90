@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> The units of a record's channels: from an option, else from the header, else from the names of the columns.
+!> The units of a record's channels: from an option, else the header, else the names of columns.
 !>
 !> One unit for all is the usual case; a file with gyroscopes and accelerometers has several.
 module gyroakf_io_channel_units
-   use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : class_names, column_class, find_unit, unit_fits
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_place, only : integer_text
@@ -18,16 +17,14 @@ contains
 
    !> Fills the record's unit, or its channels' where they differ, and who gave them.
    subroutine set_units(given, input, table, record, error)
-      !> From an option: one unit, or one for each channel separated by commas; "" where there is none
+      !> From an option: one unit, or one for each channel separated by commas; "" for none
       character(*), intent(in) :: given
       !> "rate", "increment" or "angle"
       character(*), intent(in) :: input
-      !> What the file says
       type(table_type), intent(in) :: table
       !> Its channels are named; `unit`, `channel_unit`, `unit_source` are filled
       type(record_type), intent(inout) :: record
-      !> An unknown unit (invalid_argument), one of another quantity than the channels', too many or too few,
-      !> one of an angle where a rate is read, or the reverse
+      !> invalid_argument: unknown units, of another quantity, of an angle for a rate, or too few
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: unit(:)
       integer :: j
@@ -51,8 +48,18 @@ contains
          call check_quantity(unit(j), input, record, error)
          if (allocated(error) .or. record%unit_source == "none") return
       end do
-      if (all(unit%quantity == quantity%unknown)) record%unit_source = "none"
-      if (record%unit_source /= "none") call keep_units(unit, record)
+      if (all(unit%quantity == quantity%unknown)) then
+         record%unit_source = "none"
+         return
+      end if
+      do j = 1, size(unit)
+         if (unit(j)%quantity == quantity%unknown) unit(j)%name = ""
+      end do
+      if (all([(unit(j)%name == unit(1)%name, j=2, size(unit))])) then
+         record%unit = unit(1)
+      else
+         call move_alloc(unit, record%channel_unit)
+      end if
    end subroutine set_units
 
    !> Class of the column that a channel was; unknown where it was an array of the caller.
@@ -73,49 +80,37 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(unit_type), allocatable :: list(:)
       character(:), allocatable :: names
-      logical :: reached
-      integer :: j
+      logical, allocatable :: fits(:)
+      integer :: j, refused
 
       call parse_units(given, list, error)
       if (allocated(error)) return
-      if (size(list) == 1 .or. size(list) == size(unit)) then
-         reached = .false.
-         do j = 1, size(unit)
-            if (unit_fits(class_of_channel(table, j), list(min(j, size(list))))) then
-               unit(j) = list(min(j, size(list)))
-               reached = .true.
-            else if (size(list) > 1) then
-               call refuse_unit(list(j), table, j, record, error)
-               return
-            end if
+      if (size(list) > 1 .and. size(list) /= size(unit)) then
+         names = ""
+         do j = 1, min(size(unit), 12)
+            names = names//" "//record%channel(j)%text
          end do
-         if (.not. reached) call refuse_unit(list(1), table, 1, record, error)
+         if (size(unit) > 12) names = names//" ..."
+         call fatal_error(error, status%invalid_argument, "`unit` names "// &
+            integer_text(size(list))//" units, but the number of channels is "// &
+            integer_text(size(unit))//" ("//names(2:)// &
+            "): give one unit for all of them, or one for each")
          return
       end if
-      names = ""
-      do j = 1, min(size(unit), 12)
-         names = names//" "//record%channel(j)%text
+      fits = [(unit_fits(class_of_channel(table, j), list(min(j, size(list)))), j=1, size(unit))]
+      refused = findloc(fits, .false., dim=1)
+      if (size(list) == 1 .and. any(fits)) refused = 0
+      if (refused > 0) call fatal_error(error, status%invalid_argument, "the unit "// &
+         list(refused)%name//" does not fit '"//record%channel(refused)%text// &
+         "', by its name or unit in the file a column of class "// &
+         trim(class_names(class_of_channel(table, refused)))//": give `columns` or another `unit`")
+      if (allocated(error)) return
+      do j = 1, size(unit)
+         if (fits(j)) unit(j) = list(min(j, size(list)))
       end do
-      if (size(unit) > 12) names = names//" ..."
-      call fatal_error(error, status%invalid_argument, "`unit` names "//integer_text(size(list, kind=int64))// &
-                       " units, but the number of channels is "//integer_text(size(unit, kind=int64))//" ("//names(2:)// &
-                       "): give one unit for all of them, or one for each")
    end subroutine units_of_option
 
-   !> The error for a unit of another quantity than the column's.
-   subroutine refuse_unit(unit, table, j, record, error)
-      type(unit_type), intent(in) :: unit
-      type(table_type), intent(in) :: table
-      integer, intent(in) :: j
-      type(record_type), intent(in) :: record
-      type(error_type), allocatable, intent(out) :: error
-
-      call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" does not fit '"//record%channel(j)%text// &
-         "', by its name or unit in the file a column of class "//trim(class_names(class_of_channel(table, j)))// &
-         ": give `columns` or another `unit`")
-   end subroutine refuse_unit
-
-   !> The header's unit, or its list of units: one for each column of the file, with or without the time's.
+   !> The header's unit, or its list of units: one for each column, with or without the time's.
    subroutine units_of_header(table, record, unit)
       type(table_type), intent(in) :: table
       type(record_type), intent(inout) :: record
@@ -127,21 +122,22 @@ contains
       if (allocated(table%header%units)) listed = size(table%header%units)
       if (listed == 0) then
          do j = 1, size(unit)
-            if (unit_fits(class_of_channel(table, j), table%header%unit)) unit(j) = table%header%unit
+            if (unit_fits(class_of_channel(table, j), table%header%unit)) unit(j) = &
+               table%header%unit
          end do
          if (all(unit%quantity == quantity%unknown)) unit(:) = table%header%unit
          return
       end if
-      if (listed /= table%layout%columns .and. (listed /= table%layout%columns - 1 .or. table%time == 0)) then
-         call add_text(record%warnings, "the header lists "//integer_text(int(listed, int64))//" units, the file has "// &
-                       integer_text(int(table%layout%columns, int64))//" columns; they are ignored")
+      if (listed /= table%layout%columns .and. &
+         (listed /= table%layout%columns - 1 .or. table%time == 0)) then
+         call add_text(record%warnings, "the header lists "//integer_text(listed)//" units, "// &
+            "the file has "//integer_text(table%layout%columns)//" columns; they are ignored")
          return
       end if
       do j = 1, size(unit)
          column = table%chosen(j)
          if (listed < table%layout%columns .and. table%time < column) column = column - 1
          call parse_unit(table%header%units(column)%text, unit(j), failed)
-         if (allocated(failed)) unit(j) = unit_type()
       end do
    end subroutine units_of_header
 
@@ -157,12 +153,13 @@ contains
          associate (column => table%chosen(j))
             call find_unit(table%names%name(column)%text, table%names%unit(column)%text, unit(j))
             if (.not. unit_fits(table%class(column), unit(j))) unit(j) = unit_type()
-            if (len(table%names%unit(column)%text) == 0 .and. ((input == "rate") .eqv. is_integral(unit(j)))) unit(j) = unit_type()
+            if (len(table%names%unit(column)%text) == 0 .and. &
+               ((input == "rate") .eqv. is_integral(unit(j)))) unit(j) = unit_type()
          end associate
       end do
    end subroutine units_of_names
 
-   !> Angles and rates are not taken for each other: an error where an option says so, a warning where the file does.
+   !> A unit of the other kind, angle or rate: an error from an option, a warning from the file.
    subroutine check_quantity(unit, input, record, error)
       type(unit_type), intent(in) :: unit
       character(*), intent(in) :: input
@@ -173,34 +170,19 @@ contains
       angles = input /= "rate"
       if (angles .eqv. is_integral(unit)) return
       if (record%unit_source == "header") then
-         call add_text(record%warnings, "the header's unit "//unit%name//" does not fit `input` "// &
-                       trim(merge("increment or angle", "rate              ", angles))//" and is ignored")
+         call add_text(record%warnings, "the header's unit "//unit%name// &
+            " does not fit `input` "// &
+            trim(merge("increment or angle", "rate              ", angles))//" and is ignored")
          record%unit_source = "none"
       else if (angles) then
-         call fatal_error(error, status%invalid_argument, "`input` "//input//" needs the unit of an angle "// &
-                          "(deg, rad, arcsec), not "//unit%name//"; increments of a velocity have m/s")
+         call fatal_error(error, status%invalid_argument, "`input` "//input// &
+            " needs the unit of an angle (deg, rad, arcsec), not "//unit%name// &
+            "; increments of a velocity have m/s")
       else
          call fatal_error(error, status%invalid_argument, "the unit "//unit%name//" is that of "// &
-                          trim(merge("a velocity", "an angle  ", unit%quantity == quantity%velocity))//": give "// &
-                          "`input` increment or `input` angle, or the unit of a rate")
+            trim(merge("a velocity", "an angle  ", unit%quantity == quantity%velocity))// &
+            ": give `input` increment or `input` angle, or the unit of a rate")
       end if
    end subroutine check_quantity
-
-   !> One unit where all channels have the same, else a list.
-   subroutine keep_units(unit, record)
-      type(unit_type), intent(inout) :: unit(:)
-      type(record_type), intent(inout) :: record
-      integer :: j
-
-      do j = 1, size(unit)
-         if (unit(j)%quantity == quantity%unknown) unit(j)%name = ""
-      end do
-      if (all([(unit(j)%name == unit(1)%name, j=2, size(unit))])) then
-         record%unit = unit(1)
-      else
-         allocate (record%channel_unit(size(unit)))
-         record%channel_unit(:) = unit
-      end if
-   end subroutine keep_units
 
 end module gyroakf_io_channel_units

@@ -23,7 +23,7 @@ module gyroakf_io_column_behavior
 
 contains
 
-   !> Takes the first column that behaves like a time for the time where there is none, and finds counters by what they do.
+   !> Takes the first column that behaves like a time for it where there is none; finds counters.
    subroutine find_time_and_counters(table, time_known, input, keep, warnings)
       !> Its rows are read, its columns were not asked for; `time` and `class` may be set
       type(table_type), intent(inout) :: table
@@ -54,15 +54,16 @@ contains
          if (kind(j) /= even_time .or. size(keep) < 2) cycle
          table%time = table%chosen(j)
          table%class(table%time) = column_class%time
-         call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to row "// &
-                       "and is taken for the time; `time_column` none forbids it")
+         call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to "// &
+            "row and is taken for the time; `time_column` none forbids it")
       end do
       associate (class => table%class)
          do j = 1, size(keep)
             if (kind(j) == counter) then
                class(table%chosen(j)) = column_class%counter
             else if (class(table%chosen(j)) == column_class%counter .and. input /= "angle") then
-               class(table%chosen(j)) = merge(column_class%flag, column_class%unknown, kind(j) == constant)
+               class(table%chosen(j)) = merge(column_class%flag, column_class%unknown, &
+                  kind(j) == constant)
             end if
          end do
          keep(:) = .false.
@@ -70,9 +71,10 @@ contains
             analyzed_columns(pack(class(table%chosen), table%chosen /= table%time), input /= "rate")
       end associate
       if (.not. any(keep)) keep(:) = table%chosen /= table%time
-      if (input == "rate" .and. all(pack(table%class(table%chosen), keep) == column_class%angle)) then
-         call add_text(warnings, "the columns hold angles by their names and are read as rates; "// &
-                       "`input` angle takes their differences")
+      if (input == "rate" .and. &
+         all(pack(table%class(table%chosen), keep) == column_class%angle)) then
+         call add_text(warnings, "the columns hold angles by their names and are read as "// &
+            "rates; `input` angle takes their differences")
       end if
       if (kind(1) /= rising .and. kind(1) /= even_time) return
       if (.not. keep(1) .or. count(keep) < 2 .or. .not. may(1)) return
@@ -80,10 +82,10 @@ contains
                     " rises from row to row and looks like "// &
                     trim(merge("a further time", "time          ", table%time > 0))// &
                     "; it is read as a channel, `time_column` "// &
-                    integer_text(int(table%chosen(1), int64))//" takes it for the time")
+                    integer_text(table%chosen(1))//" takes it for the time")
    end subroutine find_time_and_counters
 
-   !> What a column does; a column that falls otherwise than by starting again is left after a few rows.
+   !> What a column does; one that falls otherwise than by starting again is left after a few rows.
    pure integer function behavior_of(store, column, named_counter) result(found)
       type(store_type), intent(in) :: store
       integer, intent(in) :: column

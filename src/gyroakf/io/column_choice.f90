@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Which columns were asked for: by number or by name, with a suggestion where no name fits.
 module gyroakf_io_column_choice
-   use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : class_of, column_class
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : column_names_type, take_name
@@ -17,11 +16,8 @@ contains
    subroutine find_column(word, names, columns, column, error)
       !> "2" or "gx"
       character(*), intent(in) :: word
-      !> Of the file
       type(column_names_type), intent(in) :: names
-      !> How many the file has
       integer, intent(in) :: columns
-      !> From 1
       integer, intent(out) :: column
       !> Allocated where there is no such column: invalid_argument
       type(error_type), allocatable, intent(out) :: error
@@ -39,8 +35,8 @@ contains
          read (word, "(i9)") column
          if (column >= 1 .and. column <= columns) return
          column = 0
-         call fatal_error(error, status%invalid_argument, "there is no column "//word//": the file has columns 1 to "// &
-                          integer_text(int(columns, int64)))
+         call fatal_error(error, status%invalid_argument, "there is no column "//word// &
+            ": the file has columns 1 to "//integer_text(columns))
       else
          call refuse_name(word, names, error)
       end if
@@ -65,7 +61,6 @@ contains
       end do
    end function column_named
 
-   !> The error for a name that no column has.
    subroutine refuse_name(word, names, error)
       character(*), intent(in) :: word
       type(column_names_type), intent(in) :: names
@@ -75,11 +70,9 @@ contains
       integer :: i, near
 
       message = "there is no column '"//word//"'"
-      if (.not. names%known) then
-         call fatal_error(error, status%invalid_argument, &
-                          message//": the file does not name its columns; give numbers, counted from 1")
-         return
-      end if
+      if (.not. names%known) call fatal_error(error, status%invalid_argument, message// &
+         ": the file does not name its columns; give numbers, counted from 1")
+      if (allocated(error)) return
       allocate (known(size(names%name)))
       do i = 1, size(known)
          known(i) = ""
@@ -95,8 +88,8 @@ contains
       call fatal_error(error, status%invalid_argument, message)
    end subroutine refuse_name
 
-   !> True where a name may be another one misspelt: the same digits and the same last letter, so the same axis, and nothing that
-   !> makes it the name of another quantity.
+   !> True where a name may be another one misspelt: the same digits and the same last letter, so
+   !> the same axis, and nothing that makes it the name of another quantity.
    pure logical function may_mean(word, name)
       character(*), intent(in) :: word, name
       character(*), parameter :: digits = "0123456789", letters = "abcdefghijklmnopqrstuvwxyz"
@@ -107,8 +100,8 @@ contains
       if (.not. may_mean .or. any(last == 0)) return
       may_mean = lower(word(last(1):last(1))) == lower(name(last(2):last(2)))
       class = [class_of(word, ""), class_of(name, "")]
-      may_mean = may_mean .and. (class(1) == class(2) .or. (class(1) == column_class%unknown .and. len(word) /= len(name)) &
-                                 .or. (class(1) == column_class%unknown .and. len(word) > 4))
+      may_mean = may_mean .and. (class(1) == class(2) .or. (class(1) == column_class%unknown .and. &
+         len(word) /= len(name)) .or. (class(1) == column_class%unknown .and. len(word) > 4))
    end function may_mean
 
    !> The characters of a text that are in a set, then blanks.
@@ -130,9 +123,7 @@ contains
    subroutine choose_columns(list, names, columns, chosen, error)
       !> "2" or "gx,gz"
       character(*), intent(in) :: list
-      !> Of the file
       type(column_names_type), intent(in) :: names
-      !> How many the file has
       integer, intent(in) :: columns
       !> As asked for, in this order
       integer, allocatable, intent(out) :: chosen(:)
@@ -150,7 +141,8 @@ contains
          if (allocated(error)) return
          do i = 1, count - 1
             if (column(i) /= column(count)) cycle
-            call fatal_error(error, status%invalid_argument, "the column '"//list(from:to)//"' is chosen twice")
+            call fatal_error(error, status%invalid_argument, "the column '"//list(from:to)// &
+               "' is chosen twice")
             return
          end do
          from = to + 2

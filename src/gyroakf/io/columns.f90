@@ -3,14 +3,15 @@
 module gyroakf_io_columns
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : class_of, column_class, is_unit, opening_bracket
-   use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_place, only : integer_text, integer_length
+   use gyroakf_error, only : error_type
+   use gyroakf_io_place, only : integer_text, integer_length, line_error
    use gyroakf_io_text, only : bytes_text, fields_type, split, split_line
    use gyroakf_record, only : text_type
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: column_names_type, count_names, has_name, read_names, join_names, drop_empty_names, take_brackets_off
+   public :: column_names_type, count_names, has_name, read_names, join_names, drop_empty_names, &
+      take_brackets_off
    public :: refuse_equal_names, names_way, take_name, label_of, most_columns
 
    !> A file with more of them has lost its line ends
@@ -34,14 +35,11 @@ module gyroakf_io_columns
 
 contains
 
-   !> Names from a line: between commas, semicolons and tabs where there are any, else between blanks.
+   !> Names from a line: between commas, semicolons and tabs if there are any, else between blanks.
    subroutine read_names(bytes, first, last, line, names)
-      !> Holds the names at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> Number of the line
       integer(int64), intent(in) :: line
-      !> The names
       type(column_names_type), intent(out) :: names
       type(fields_type) :: fields
       character(:), allocatable :: word
@@ -59,7 +57,8 @@ contains
          call make_readable(word)
          if (way == split%mixed .and. word == "|") cycle
          if (way == split%mixed .and. count > 0 .and. scan(word, "[(") == 1) then
-            call take_name(names%name(count)%text//" "//word, names%name(count)%text, names%unit(count)%text)
+            call take_name(names%name(count)%text//" "//word, names%name(count)%text, &
+               names%unit(count)%text)
          else
             count = count + 1
             call take_name(word, names%name(count)%text, names%unit(count)%text)
@@ -89,7 +88,7 @@ contains
       end associate
    end subroutine keep_apart
 
-   !> Names of one line from two: a group above the columns and the column in it, "gyro" and "x", or the line that says more.
+   !> Names of one line from two: a group above its columns, "gyro" above "x", or what says more.
    pure subroutine join_names(above, names)
       !> As many as the names; empty where the group of the column before goes on
       type(column_names_type), intent(in) :: above
@@ -97,13 +96,16 @@ contains
       character(:), allocatable :: group, unit
       integer :: i
 
-      if (knows(above) .and. (.not. knows(names) .or. 2*known_classes(above) >= size(above%name) + known_classes(names))) then
+      if (knows(above) .and. (.not. knows(names) .or. &
+         2*known_classes(above) >= size(above%name) + known_classes(names))) then
          names%name = above%name
          names%unit = above%unit
          return
-      else if (count([(len(above%name(i)%text) > 0, i=1, size(above%name))]) < 2 .and. len(above%name(1)%text) > 0) then
+      else if (count([(len(above%name(i)%text) > 0, i=1, size(above%name))]) < 2 .and. &
+         len(above%name(1)%text) > 0) then
          return
-      else if (.not. knows(names) .or. any([(len(above%name(i)%text) == 0, i=2, size(above%name))])) then
+      else if (.not. knows(names) .or. &
+         any([(len(above%name(i)%text) == 0, i=2, size(above%name))])) then
          group = ""
          unit = ""
          do i = 1, size(names%name)
@@ -114,23 +116,24 @@ contains
             end if
             if (len(names%unit(i)%text) == 0) names%unit(i)%text = unit
             if (len(names%name(i)%text) == 0) names%name(i)%text = group
-            if (names%name(i)%text /= group .and. len(group) > 0) names%name(i)%text = group//" "//names%name(i)%text
+            if (names%name(i)%text /= group .and. len(group) > 0) then
+               names%name(i)%text = group//" "//names%name(i)%text
+            end if
          end do
       end if
    end subroutine join_names
 
-   !> Names that say what is measured.
    pure integer function known_classes(names)
       type(column_names_type), intent(in) :: names
       integer :: i
 
-      known_classes = count([(class_of(names%name(i)%text, names%unit(i)%text) /= column_class%unknown, i=1, size(names%name))])
+      known_classes = count([(class_of(names%name(i)%text, &
+         names%unit(i)%text) /= column_class%unknown, i=1, size(names%name))])
    end function known_classes
 
-   !> Takes off the empty names of a line that begins or ends with a separator where the rows do not, and that of comments at the
-   !> end, which rows may not have (LabVIEW).
+   !> Takes off the empty names of a line that begins or ends with a separator where the rows do
+   !> not, and that of comments at the end, which rows may not have (LabVIEW).
    pure subroutine drop_empty_names(columns, names)
-      !> Of the first row
       integer, intent(in) :: columns
       type(column_names_type), intent(inout) :: names
       integer :: first, last
@@ -163,7 +166,6 @@ contains
 
    !> How a line of names is split: blanks belong to the names where there are other separators.
    pure integer function names_way(bytes, first, last)
-      !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 
@@ -173,10 +175,8 @@ contains
       end associate
    end function names_way
 
-   !> "gx [deg/s]" or "gx: deg/s" as name and unit; what stands in brackets at the end belongs to the name where it is no unit:
-   !> "gyro[0]".
+   !> "gx [deg/s]" or "gx: deg/s" as name and unit; "gyro[0]", without a unit, is a name.
    pure subroutine take_name(word, name, unit)
-      !> As the file has it
       character(*), intent(in) :: word
       !> The unit is "" where there is none
       character(:), allocatable, intent(inout) :: name, unit
@@ -211,7 +211,6 @@ contains
 
    !> How many names are known.
    pure integer function count_names(names)
-      !> Of a file
       type(column_names_type), intent(in) :: names
 
       count_names = 0
@@ -220,16 +219,13 @@ contains
 
    !> True where a column has a name in the file.
    pure logical function has_name(names, column)
-      !> Of the file
       type(column_names_type), intent(in) :: names
-      !> Counted from 1
       integer, intent(in) :: column
 
       has_name = names%known
       if (has_name) has_name = len(names%name(column)%text) > 0
    end function has_name
 
-   !> The length of [[label_of]].
    pure integer function label_length(names, column)
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
@@ -240,7 +236,6 @@ contains
 
    !> A column as messages name it: "column 3" or "column 'gx'".
    pure function label_of(names, column) result(label)
-      !> As those of [[has_name]]
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: column
       character(label_length(names, column)) :: label
@@ -248,13 +243,12 @@ contains
       if (has_name(names, column)) then
          label = "column '"//names%name(column)%text//"'"
       else
-         label = "column "//integer_text(int(column, int64))
+         label = "column "//integer_text(column)
       end if
    end function label_of
 
-   !> Refuses names that several columns have, unless the columns were asked for by number: they get their number then.
+   !> Refuses equal names, unless columns were asked for by number: the names get theirs then.
    subroutine refuse_equal_names(file, names, error, columns)
-      !> Its name, for the message
       character(*), intent(in) :: file
       type(column_names_type), intent(inout) :: names
       !> Allocated where names are equal: parse
@@ -271,20 +265,19 @@ contains
          count = 0
          do j = i + 1, merge(size(names%name), 0, len(name) > 0)
             if (names%name(j)%text /= name) cycle
-            if (count == 0) list = list//"; '"//name//"' in columns "//integer_text(int(i, int64))
+            if (count == 0) list = list//"; '"//name//"' in columns "//integer_text(i)
             count = count + 1
-            list = list//", "//integer_text(int(j, int64))
-            names%name(j)%text = name//" (column "//integer_text(int(j, int64))//")"
+            list = list//", "//integer_text(j)
+            names%name(j)%text = name//" (column "//integer_text(j)//")"
          end do
-         if (count > 0) names%name(i)%text = name//" (column "//integer_text(int(i, int64))//")"
+         if (count > 0) names%name(i)%text = name//" (column "//integer_text(i)//")"
       end do
       if (len(list) == 0) return
       if (present(columns)) then
          if (verify(columns, "0123456789, ") == 0) return
       end if
-      call fatal_error(error, status%parse, file//":"//integer_text(names%line)// &
-                       ":1: names of columns are equal: "//list(3:)//new_line("a")// &
-                       "choose columns by their numbers, or make the names different")
+      call line_error(error, file, names%line, "names of columns are equal: "//list(3:), &
+         "choose columns by their numbers, or make the names different")
    end subroutine refuse_equal_names
 
 end module gyroakf_io_columns

@@ -1,26 +1,25 @@
 ! SPDX-License-Identifier: MIT
-!> Columns of numbers, line by line or as binary rows, at the speed of memory rather than of formatted output.
+!> Columns of numbers, as text or binary, at the speed of memory rather than formatted output.
 !>
 !>     type(column_type) :: columns(2)
-!>     call set_even(columns(1), 0_int64, 0.01_dp)                     ! time: 0, 0.01, ...
+!>     columns(1) = column_type(step=0.01_dp, digits=15)              ! time: 0, 0.01, ...
 !>     columns(2)%value => x
-!>     call begin_rows(writer, size(columns), n, layout)
-!>     call put_rows(writer, columns, 1_int64, n, layout, error)       ! any number of these
+!>     call put_rows(writer, columns, n, layout, error)
 !>
-!> Pieces of a few thousand rows are turned into text by several threads and written in order, so that the file does not
-!> depend on their number.
+!> Pieces of a few thousand rows are turned into text by several threads and written in order, so
+!> that the file does not depend on their number.
 module gyroakf_io_columns_writer
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_io_decimal, only : longest_real, real_to_text
    use gyroakf_io_npy, only : make_npy_header
    use gyroakf_io_writer, only : put, put_reals, writer_type
    implicit none (type, external)
    private
-   public :: column_type, row_layout_type, set_even, begin_rows, put_rows, form_of
+   public :: column_type, row_layout_type, put_rows, form_of
 
    !> One column: an array, an even grid, or nothing (nan in every row)
    type :: column_type
@@ -28,10 +27,8 @@ module gyroakf_io_columns_writer
       real(dp), pointer, contiguous :: value(:) => null()
       !> 1 where present, 0 where nan is written; [row]; not associated: all present
       integer(int8), pointer, contiguous :: present(:) => null()
-      !> Value of row i is (before + i - 1)*step where `even`
-      integer(int64) :: before = 0
+      !> Value of row i is (i - 1)*step where it is > 0
       real(dp) :: step = 0.0_dp
-      logical :: even = .false.
       !> Significant digits; 0: as few as read back to the same number
       integer :: digits = 0
    end type column_type
@@ -40,7 +37,7 @@ module gyroakf_io_columns_writer
    type :: row_layout_type
       !> Between the numbers of a line
       character(1) :: separator = ","
-      !> "text", or float64 in the machine's byte order row after row: bare ("f64"), or with NumPy's header ("npy")
+      !> "text", or float64 in the machine's order, row after row: bare ("f64") or NumPy's ("npy")
       character(4) :: form = "text"
       !> For the progress
       character(32) :: stage = "writing"
@@ -60,21 +57,6 @@ module gyroakf_io_columns_writer
 
 contains
 
-   !> An even grid, with the 15 digits that show it as it is meant.
-   pure subroutine set_even(column, before, step)
-      !> Has no array
-      type(column_type), intent(inout) :: column
-      !> Rows that were written before row 1
-      integer(int64), intent(in) :: before
-      !> From row to row
-      real(dp), intent(in) :: step
-
-      column%even = .true.
-      column%before = before
-      column%step = step
-      column%digits = 15
-   end subroutine set_even
-
    !> The form that a file's name asks for: "npy" and "f64" by .npy and .f64, else "text".
    pure function form_of(path) result(form)
       !> Any
@@ -87,30 +69,14 @@ contains
       if (path(len(path) - 3:) == ".f64") form = "f64"
    end function form_of
 
-   !> What stands before the rows; of a text its lines are the caller's.
-   subroutine begin_rows(writer, columns, rows, layout)
-      !> Open
-      type(writer_type), intent(inout) :: writer
-      !> How many of each there will be
-      integer, intent(in) :: columns
-      integer(int64), intent(in) :: rows
-      !> Its form
-      type(row_layout_type), intent(in) :: layout
-      character(:), allocatable :: header
-
-      if (layout%form /= "npy") return
-      call make_npy_header(rows, merge(int(columns, int64), 0_int64, columns > 1), .false., header)
-      call put(writer, header)
-   end subroutine begin_rows
-
-   !> Writes rows.
-   subroutine put_rows(writer, columns, first, last, layout, error, progress)
+   !> Writes rows, behind their header where they are not text.
+   subroutine put_rows(writer, columns, rows, layout, error, progress)
       !> Open; a write error is returned when it is completed
       type(writer_type), intent(inout) :: writer
       !> From left to right; arrays begin with row 1
       type(column_type), intent(in) :: columns(:)
-      !> Rows that are written; none where last < first
-      integer(int64), intent(in) :: first, last
+      !> How many
+      integer(int64), intent(in) :: rows
       !> Text or binary
       type(row_layout_type), intent(in) :: layout
       !> no_memory, cancelled
@@ -118,30 +84,35 @@ contains
       !> Progress callback, in rows
       class(progress_type), intent(inout), optional :: progress
       type(piece_type), allocatable :: piece(:)
+      character(:), allocatable :: header
       integer(int64) :: piece_rows, length, at
       integer :: k, pieces, failed
 
-      piece_rows = max(1_int64, min(last - first + 1, piece_size/(widest*max(1, size(columns)))))
+      if (layout%form == "npy") then
+         call make_npy_header(rows, merge(size(columns, kind=int64), 0_int64, size(columns) > 1), &
+            .false., header)
+         call put(writer, header)
+      end if
+      piece_rows = max(1_int64, min(rows, piece_size/(widest*max(1, size(columns)))))
       length = merge(0_int64, piece_rows*widest*size(columns) + longest_real, layout%form /= "text")
       pieces = 16*thread_count()
       allocate (piece(pieces))
       do k = 1, pieces
          allocate (character(length) :: piece(k)%text, stat=failed)
-         if (failed == 0) cycle
-         call fatal_error(error, status%no_memory, "no memory to write "//writer%path)
-         return
+         call check_memory(failed, "writing "//writer%path, error)
+         if (allocated(error)) return
       end do
-      do at = first, last, piece_rows*pieces
+      do at = 1, rows, piece_rows*pieces
          if (layout%form /= "text") then
-            call put_binary(writer, columns, at, min(last, at + piece_rows*pieces - 1))
+            call put_binary(writer, columns, at, min(rows, at + piece_rows*pieces - 1))
          else
-            call spell_pieces(columns, at, piece_rows, last, layout%separator, piece)
+            call spell_pieces(columns, at, piece_rows, rows, layout%separator, piece)
             do k = 1, pieces
                call put(writer, piece(k)%text(:piece(k)%used))
             end do
          end if
          if (writer%failed) return
-         call report_progress(trim(layout%stage), at - first, last - first + 1, error, progress)
+         call report_progress(trim(layout%stage), at - 1, rows, error, progress)
          if (allocated(error)) return
       end do
    end subroutine put_rows
@@ -156,8 +127,8 @@ contains
 
       !$omp parallel do schedule(dynamic)
       do k = 1, size(piece)
-         call spell_rows(columns, first + (k - 1)*piece_rows, min(last, first + k*piece_rows - 1), separator, piece(k)%text, &
-                         piece(k)%used)
+         call spell_rows(columns, first + (k - 1)*piece_rows, min(last, first + k*piece_rows - 1), &
+            separator, piece(k)%text, piece(k)%used)
       end do
    end subroutine spell_pieces
 
@@ -174,7 +145,8 @@ contains
       used = 0
       do i = first, last
          do j = 1, size(columns)
-            call real_to_text(value_of(columns(j), i), columns(j)%digits, text(used + 1:used + longest_real), length)
+            call real_to_text(value_of(columns(j), i), columns(j)%digits, &
+               text(used + 1:used + longest_real), length)
             used = used + length + 1
             text(used:used) = separator
          end do
@@ -215,7 +187,7 @@ contains
    pure logical function is_whole(column)
       type(column_type), intent(in) :: column
 
-      is_whole = associated(column%value) .and. .not. (column%even .or. associated(column%present))
+      is_whole = associated(column%value) .and. .not. associated(column%present)
    end function is_whole
 
    !> The value in a row, nan where there is none.
@@ -223,11 +195,8 @@ contains
       type(column_type), intent(in) :: column
       integer(int64), intent(in) :: row
 
-      if (column%even) then
-         value = real(column%before + row - 1, dp)*column%step
-         return
-      end if
       value = ieee_value(value, ieee_quiet_nan)
+      if (column%step > 0.0_dp) value = real(row - 1, dp)*column%step
       if (.not. associated(column%value)) return
       if (associated(column%present)) then
          if (column%present(row) == 0) return

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What the commas of a table are: separators, or decimal commas in every number or in the seconds of dates alone.
+!> What the commas of a table are: separators, decimal commas, or those of seconds in dates alone.
 module gyroakf_io_commas
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type
@@ -8,25 +8,28 @@ module gyroakf_io_commas
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_place, only : place_error
    use gyroakf_io_table, only : table_type
-   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_no_row, last_visible, line_feed_from, split, split_line
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, is_no_row, last_visible, &
+      line_feed_from, split, split_line
    use gyroakf_record, only : add_text
    implicit none (type, external)
    private
-   public :: settle_commas, decimal_comma, decimal_fields, seconds_comma, make_points, comma_found, comma_advice
+   public :: settle_commas, decimal_comma, decimal_fields, seconds_comma, make_points, &
+      comma_found, comma_advice
 
    !> The message for a decimal comma
-   character(*), parameter :: comma_found = "this looks like a decimal comma, and a comma separates columns"
+   character(*), parameter :: comma_found = &
+      "this looks like a decimal comma, and a comma separates columns"
    character(*), parameter :: comma_advice = "write decimal points"
 
-   !> What commas are where they do not part columns: all are decimal commas, or those behind the
-   !> seconds of a time of day
+   !> What commas are where they do not part columns: all decimal commas, or those behind seconds
    integer, parameter :: decimal_commas = 1, seconds_commas = 2
 
    !> So many lines at the start are looked at for decimal commas
    integer, parameter :: looked_at = 64
    !> What parts words of a line besides commas
    character(*), parameter :: parting = " ;"//achar(9), digits = "0123456789"
-   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, point = 46, semicolon = 59, colon = 58
+   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, &
+      point = 46, semicolon = 59, colon = 58
 
 contains
 
@@ -34,7 +37,6 @@ contains
    subroutine settle_commas(lines, decimal, table, error)
       !> The first line of numbers is at hand; decimal commas become points
       type(lines_type), intent(inout) :: lines
-      !> Every comma is a decimal comma
       logical, intent(in) :: decimal
       !> Its names are used as far as they are known; `layout%commas` is set
       type(table_type), intent(inout) :: table
@@ -55,8 +57,9 @@ contains
       call make_points(lines%bytes, lines%at, lines%last, table%layout%commas)
    end subroutine settle_commas
 
-   !> Looks at the first lines for decimal commas: where every line has them or whole numbers between other separators, they are
-   !> read; where they are likely but not sure it is an error, for they would be taken for separators.
+   !> Looks at the first lines for decimal commas: where every line has them or whole numbers
+   !> between other separators, they are read; where they are likely but not sure it is an error,
+   !> for they would be taken for separators.
    subroutine recognise_commas(lines, table, error)
       type(lines_type), intent(in) :: lines
       type(table_type), intent(inout) :: table
@@ -92,37 +95,36 @@ contains
          call add_text(table%warnings, "the commas between digits are read as decimal commas", &
             note=.true.)
       else if (likely > 0) then
-         call place_error(error, lines%source%name, lines%number + line, lines%bytes, likely_at, likely_last, likely, &
-                          comma_found, comma_advice)
+         call place_error(error, lines%source%name, lines%number + line, lines%bytes, likely_at, &
+            likely_last, likely, comma_found, comma_advice)
       end if
    end subroutine recognise_commas
 
    !> The byte of a comma that is a decimal comma, 0 where none is recognised.
    !>
-   !> It is recognised in a line without decimal points where each comma stands between two digits and either other separators
-   !> part fields of one comma at most (`1,5;2,3`), or the line has one comma with a leading zero behind it (`1,05`) or `-0`
-   !> before it. A comma in a time of day (`12:00:00,5`) is none.
+   !> It is recognised in a line without decimal points where each comma stands between two digits
+   !> and either other separators part fields of one comma at most (`1,5;2,3`), or the line has one
+   !> comma with a leading zero behind it (`1,05`) or `-0` before it. `12:00:00,5` has none.
    pure integer(int64) function decimal_comma(bytes, first, last) result(at)
-      !> Holds a line of data at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(:), allocatable :: text
       integer :: comma_at, clock
 
       at = 0
-      call take_visible(bytes, first, last, text)
-      call find_commas(text, comma_at, clock)
+      call find_commas(bytes, first, last, text, comma_at, clock)
       if (comma_at <= 0 .or. clock > 0 .or. scan(text, ".'""") > 0) return
       if (scan(text, parting) == len(text) .and. text(:comma_at) /= "-0,") then
-         if (scan(text(comma_at + 1:comma_at + 1), "0") + scan(text(comma_at + 2:comma_at + 2), digits) < 2) return
+         if (scan(text(comma_at + 1:comma_at + 1), "0") &
+            + scan(text(comma_at + 2:comma_at + 2), digits) < 2) return
       end if
       at = first_visible(bytes, first, last) + comma_at - 1
    end function decimal_comma
 
-   !> Columns of a row between semicolons, tabs or blanks where every comma in it may be a decimal comma: between two digits, one
-   !> at most in a field, and no decimal points but in dates and times of day; 0 where one cannot be.
+   !> Columns of a row between semicolons, tabs or blanks where every comma in it may be a decimal
+   !> comma: between two digits, one at most in a field, and no decimal points but in dates and
+   !> times of day; 0 where one cannot be.
    pure integer function decimal_fields(bytes, first, last) result(fields)
-      !> Holds the row at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(:), allocatable :: text
@@ -130,8 +132,7 @@ contains
       integer :: i, comma_at, clock
 
       fields = 0
-      call take_visible(bytes, first, last, text)
-      call find_commas(text, comma_at, clock)
+      call find_commas(bytes, first, last, text, comma_at, clock)
       if (comma_at < 0 .or. (clock > 0 .and. clock == len(text) - 1)) return
       parts = " "
       if (index(text, achar(9)) > 0) parts = achar(9)
@@ -142,22 +143,17 @@ contains
       if (text(len(text) - 1:len(text) - 1) /= parts) fields = fields + 1
    end function decimal_fields
 
-   !> A line without the blanks around it, and one blank.
-   pure subroutine take_visible(bytes, first, last, text)
+   !> The visible text of a line and a blank; its first comma, 0 for none, -1 where one is not or a
+   !> point is decimal; and the end of the last word with a comma and a colon, 0 for none.
+   pure subroutine find_commas(bytes, first, last, text, comma_at, clock)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(:), allocatable, intent(out) :: text
-
-      text = bytes_text(bytes, first_visible(bytes, first, last), last_visible(bytes, first, last))//" "
-   end subroutine take_visible
-
-   !> The first comma of a line, 0 where there is none, -1 where one is no decimal comma or a point is a decimal point; and the
-   !> end of the last word with a comma and a colon, 0 where there is none.
-   pure subroutine find_commas(text, comma_at, clock)
-      character(*), intent(in) :: text
       integer, intent(out) :: comma_at, clock
       integer :: from, to, found
 
+      text = bytes_text(bytes, first_visible(bytes, first, last), &
+         last_visible(bytes, first, last))//" "
       comma_at = 0
       clock = 0
       from = 1
@@ -172,8 +168,8 @@ contains
       end do
    end subroutine find_commas
 
-   !> The comma of a word, 0 where there is none; -1 where it is not the only one, not between two digits, or beside points, and
-   !> where points stand that are not those of a date or a time of day.
+   !> The comma of a word, 0 for none; -1 where it is not the only one, not between two digits, or
+   !> beside points, and where points are not those of a date or a time of day.
    pure integer function comma_of(word) result(at)
       character(*), intent(in) :: word
       integer :: i, points
@@ -184,21 +180,22 @@ contains
       points = count([(word(i:i) == ".", i=1, len(word))])
       if (at == 0) then
          if (points > 0 .and. points /= 2 .and. .not. colon) at = -1
-      else if ((points > 0 .and. .not. (points == 2 .and. colon)) .or. at == 1 .or. at == len(word)) then
+      else if ((points > 0 .and. .not. (points == 2 .and. colon)) .or. at == 1 .or. &
+         at == len(word)) then
          at = -1
-      else if (verify(word(at - 1:at - 1)//word(at + 1:at + 1), digits) > 0 .or. index(word, ",", back=.true.) > at) then
+      else if (verify(word(at - 1:at - 1)//word(at + 1:at + 1), digits) > 0 .or. &
+         index(word, ",", back=.true.) > at) then
          at = -1
       end if
    end function comma_of
 
-   !> True where a comma stands before the decimals of the seconds, as in `12:00:00,123;1.5`: 3, 6 or 9 digits, perhaps a zone, then
-   !> a blank, tab or semicolon; and no comma parts columns.
+   !> True where a comma stands before the decimals of the seconds, as in `12:00:00,123;1.5`: 3, 6
+   !> or 9 digits, perhaps a zone, then a blank, tab or semicolon; and no comma parts columns.
    pure logical function seconds_comma(bytes, first, last)
-      !> Holds the first row at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p, q
-      integer(int8), parameter :: zone(5) = [43_int8, 45_int8, 58_int8, 90_int8, 122_int8]           ! + - : Z z
+      integer(int8), parameter :: zone(5) = iachar(["+", "-", ":", "Z", "z"], int8)
       logical :: quoted
 
       seconds_comma = .false.
@@ -231,7 +228,8 @@ contains
 
       behind_seconds = .false.
       if (p < first + 3) return
-      behind_seconds = bytes(p - 3) == colon .and. is_digit(bytes(p - 2)) .and. is_digit(bytes(p - 1)) .and. is_digit(bytes(p + 1))
+      behind_seconds = bytes(p - 3) == colon .and. is_digit(bytes(p - 2)) .and. &
+         is_digit(bytes(p - 1)) .and. is_digit(bytes(p + 1))
    end function behind_seconds
 
    !> Writes points for decimal commas; doing it twice does no harm.

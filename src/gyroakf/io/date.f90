@@ -1,19 +1,20 @@
 ! SPDX-License-Identifier: MIT
 !> Dates and times of day in text, read as seconds from a day that the caller names.
 !>
-!> Read are the forms of ISO 8601 that loggers write: `2026-05-01T12:00:00.123456Z`, with a blank instead of the T, with `/` or `.`
-!> between year, month and day, with a zone (`Z`, `+02:00`, `-0530`, `+02`), with a comma before the decimals of the seconds
-!> within quotes, with a colon before three; a date or a time of day alone; and `01.05.2026`, day first, where points part it.
-!> Also `20260501120000020`, `20260501_120000.020`, `12-00-00_020`. Days first with `/` or `-` are not read: they may be months.
+!> Read are the forms of ISO 8601 that loggers write: `2026-05-01T12:00:00.123456Z`, a blank instead
+!> of the T, `/` or `.` between year, month and day, a zone (`Z`, `+02:00`, `-0530`, `+02`), a comma
+!> before the decimals within quotes, a colon before three of them; a date or a time of day alone;
+!> `01.05.2026`, `20260501120000020`, `20260501_120000.020`, `12-00-00_020`. Days first with `/` or
+!> `-` are not read: they may be months.
 !>
-!> Whole seconds are subtracted as integers before they become a real number, so that the decimals survive: a day after the
-!> first stamp a double still resolves 15 ps.
+!> Whole seconds are subtracted as integers before they become a real number, so that the decimals
+!> survive: a day after the first stamp a double still resolves 15 ps.
 module gyroakf_io_date
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_wide_power, only : ten
    implicit none (type, external)
    private
-   public :: stamp_kind, scan_stamp, kind_of_field, stamp_origin, is_day_first, is_digit, day_number
+   public :: stamp_kind, scan_stamp, scan_long, scan_digits, is_digit, day_number
 
    !> What a column holds, reached as `stamp_kind%clock`
    type :: stamp_kind_enum
@@ -25,19 +26,18 @@ module gyroakf_io_date
       integer :: date = 2
       !> A time of day alone
       integer :: clock = 3
-      !> A number of more digits than a double has: its whole part is read exactly and counted from the first
+      !> A number of more digits than a double has: whole part exact, counted from the first
       integer :: long = 4
       !> The whole nanoseconds or microseconds beside a column of whole seconds
-      integer :: nano = 5
-      integer :: micro = 6
+      integer :: nano = 5, micro = 6
    end type stamp_kind_enum
 
    !> All kinds
    type(stamp_kind_enum), parameter :: stamp_kind = stamp_kind_enum()
 
-   integer(int8), parameter :: blank = 32, quote = 34, apostrophe = 39, plus = 43, comma = 44, minus = 45, point = 46, &
-                               slash = 47, zero = 48, nine = 57, colon = 58, underscore = 95
-   integer(int64), parameter :: day_seconds = 86400
+   integer(int8), parameter :: blank = 32, quote = 34, apostrophe = 39, plus = 43, comma = 44, &
+      minus = 45, point = 46, slash = 47, zero = 48, nine = 57, colon = 58, letter_t = 84, &
+      underscore = 95
 
 contains
 
@@ -47,7 +47,7 @@ contains
    pure subroutine scan_stamp(bytes, at, kind, origin, value, found)
       !> The text; a line feed behind it
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> First byte of the stamp, perhaps a quote; afterwards the byte after it, unchanged where there is none
+      !> First byte of the stamp or its quote; afterwards the byte behind it, unless not found
       integer(int64), intent(inout) :: at
       !> One of the components of [[gyroakf_io_date:stamp_kind]], not `number`
       integer, intent(in) :: kind
@@ -71,16 +71,16 @@ contains
          p = p + 1
       end if
       select case (kind)
-      case (stamp_kind%long)
-         call scan_long(bytes, p, origin, whole, part, found)
-      case (stamp_kind%nano, stamp_kind%micro)
-         call scan_long(bytes, p, 0_int64, whole, part, found)
+      case (stamp_kind%long, stamp_kind%nano, stamp_kind%micro)
+         call scan_long(bytes, p, whole, part, found)
+         if (kind == stamp_kind%long) whole = whole - origin
       case (stamp_kind%clock)
          call scan_clock(bytes, p, mark /= 0, .false., whole, part, found)
       case default
          call scan_day(bytes, p, day, found)
-         if (found .and. kind == stamp_kind%moment) call scan_time_behind(bytes, p, mark /= 0, whole, part, found)
-         whole = whole + (day - origin)*day_seconds
+         if (found .and. kind == stamp_kind%moment) call scan_time_behind(bytes, p, mark /= 0, &
+            whole, part, found)
+         whole = whole + (day - origin)*86400
       end select
       if (found .and. mark /= 0) then
          found = bytes(p) == mark
@@ -93,7 +93,7 @@ contains
       at = p
    end subroutine scan_stamp
 
-   !> `Y-M-D`, `Y/M/D`, `Y.M.D` or `D.M.Y`, the year of four digits; YYYYMMDD from 1970 to 2099, with a time behind it.
+   !> `Y-M-D`, `Y/M/D`, `Y.M.D`, `D.M.Y`, four digits for Y; YYYYMMDD of 1970 to 2099 and a time.
    pure subroutine scan_day(bytes, p, day, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
@@ -112,7 +112,7 @@ contains
          if (i == 3) exit
          if (i == 1) parts = merge(zero, bytes(p), is_digit(bytes(p)))
          if (parts == zero) cycle
-         if (bytes(p) /= parts .or. (parts /= minus .and. parts /= slash .and. parts /= point)) return
+         if (bytes(p) /= parts .or. all(parts /= [minus, slash, point])) return
          p = p + 1
       end do
       first = 1
@@ -120,7 +120,7 @@ contains
       if (first == 3 .and. parts /= point) return
       if (parts == zero) then
          if (part(1) < 1970 .or. part(1) > 2099) return
-         if (.not. (is_digit(bytes(p)) .or. any(bytes(p) == [underscore, int(iachar("T"), int8)]))) return
+         if (.not. (is_digit(bytes(p)) .or. any(bytes(p) == [underscore, letter_t]))) return
       end if
       if (digits(first) /= 4 .or. digits(2) > 2 .or. digits(4 - first) > 2) return
       if (part(2) < 1 .or. part(2) > 12 .or. part(4 - first) < 1) return
@@ -130,9 +130,13 @@ contains
 
    !> Digits, at most so many.
    pure subroutine scan_digits(bytes, p, most_digits, value, digits)
+      !> The text; a line feed behind it
       integer(int8), intent(in), contiguous :: bytes(:)
+      !> First byte; afterwards the byte behind what was read
       integer(int64), intent(inout) :: p
+      !> How many are read at most
       integer, intent(in) :: most_digits
+      !> The number, and how many digits it has
       integer(int64), intent(out) :: value
       integer, intent(out) :: digits
 
@@ -147,12 +151,13 @@ contains
 
    !> True for 0 to 9.
    pure elemental logical function is_digit(byte)
+      !> Any
       integer(int8), intent(in) :: byte
 
       is_digit = byte >= zero .and. byte <= nine
    end function is_digit
 
-   !> The time behind a date: after a T, _ or blanks, or digits behind digits; none is midnight. A number behind blanks is no time.
+   !> The time behind a date and T, _ or blanks, or digits behind digits; none is midnight.
    pure subroutine scan_time_behind(bytes, p, quoted, whole, part, found)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
@@ -167,11 +172,12 @@ contains
       do while (bytes(q) == blank)
          q = q + 1
       end do
-      if (bytes(p) == iachar("T") .or. bytes(p) == iachar("t") .or. bytes(p) == underscore) then
+      if (any(bytes(p) == [letter_t, letter_t + 32_int8, underscore])) then
          q = p + 1
       else if (is_digit(bytes(p))) then
          q = p
-      else if (q == p .or. (bytes(q + 1) /= colon .and. .not. (is_digit(bytes(q + 1)) .and. bytes(q + 2) == colon))) then
+      else if (q == p .or. (bytes(q + 1) /= colon .and. .not. (is_digit(bytes(q + 1)) .and. &
+         bytes(q + 2) == colon))) then
          return
       end if
       p = q
@@ -208,8 +214,10 @@ contains
          call scan_digits(bytes, p, 2, second, digits)
          if (digits /= 2 .or. second > 60) return
          if (parts == minus .and. .not. dated .and. bytes(p) /= underscore) return
-         decimals = any(bytes(p) == [point, underscore]) .or. is_digit(bytes(p)) .or. (quoted .and. bytes(p) == comma)
-         if (bytes(p) == colon) decimals = all(is_digit(bytes(p + 1:min(p + 3, size(bytes, kind=int64)))))
+         decimals = any(bytes(p) == [point, underscore]) .or. is_digit(bytes(p)) .or. &
+            (quoted .and. bytes(p) == comma)
+         if (bytes(p) == colon) decimals = &
+            all(is_digit(bytes(p + 1:min(p + 3, size(bytes, kind=int64)))))
          if (is_digit(parts) .and. is_digit(bytes(p))) p = p - 1
          if (decimals) call scan_decimals(bytes, p, part)
       else if (parts == minus) then
@@ -268,12 +276,15 @@ contains
    end subroutine scan_zone
 
    !> A number without an exponent, at most 18 digits before its point, or 19 up to 4.6e18.
-   pure subroutine scan_long(bytes, p, origin, whole, part, found)
+   pure subroutine scan_long(bytes, p, whole, part, found)
+      !> The text; a line feed behind it
       integer(int8), intent(in), contiguous :: bytes(:)
+      !> First byte; afterwards the byte behind what was read
       integer(int64), intent(inout) :: p
-      integer(int64), intent(in) :: origin
+      !> Its whole part and its decimals
       integer(int64), intent(out) :: whole
       real(dp), intent(out) :: part
+      !> False where there is none
       logical, intent(out) :: found
       logical :: below
       integer :: digits
@@ -290,98 +301,19 @@ contains
       if (.not. found) return
       if (bytes(p) == point) call scan_decimals(bytes, p, part)
       found = .not. (is_digit(bytes(p)) .or. bytes(p) == iachar("e") .or. bytes(p) == iachar("E"))
-      if (below) then
-         whole = -whole
-         part = -part
-      end if
-      whole = whole - origin
+      part = merge(-part, part, below)
+      whole = merge(-whole, whole, below)
    end subroutine scan_long
 
-   !> What a field is: a stamp, or a number like any other (as which whatever else passes too).
-   pure integer function kind_of_field(bytes, first, last) result(kind)
-      !> Holds the field at first:last; a separator or line feed behind it
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64) :: p, from
-      integer :: digits, k
-      integer, parameter :: tried(3) = [stamp_kind%clock, stamp_kind%date, stamp_kind%moment]
-      real(dp) :: value
-      logical :: found
-
-      kind = stamp_kind%number
-      if (last < first) return
-      if (.not. is_digit(bytes(first))) return
-      from = first
-      if (first > 1) then
-         if (bytes(first - 1) == quote .or. bytes(first - 1) == apostrophe) from = first - 1
-      end if
-      do k = 1, size(tried)
-         p = from
-         call scan_stamp(bytes, p, tried(k), 0_int64, value, found)
-         if (.not. found .or. p /= last + 1 + (first - from)) cycle
-         kind = tried(k)
-         return
-      end do
-      p = first
-      call scan_stamp(bytes, p, stamp_kind%long, 0_int64, value, found)
-      if (.not. found .or. p /= last + 1) return
-      digits = int(count(bytes(first:last) >= zero))
-      if (digits > 15) kind = stamp_kind%long
-   end function kind_of_field
-
-   !> From what the stamps of a column are counted: the day of its first field, or its whole part.
-   pure subroutine stamp_origin(bytes, first, kind, origin)
-      !> Holds the field from first on
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first
-      !> As of [[kind_of_field]]
-      integer, intent(in) :: kind
-      !> 0 for a time of day
-      integer(int64), intent(out) :: origin
-      integer(int64) :: p
-      real(dp) :: part
-      logical :: found
-
-      origin = 0
-      p = first
-      select case (kind)
-      case (stamp_kind%moment, stamp_kind%date); call scan_day(bytes, p, origin, found)
-      case (stamp_kind%long); call scan_long(bytes, p, 0_int64, origin, part, found)
-      case default; continue
-      end select
-   end subroutine stamp_origin
-
-   !> True for `01/05/2026` or `1-5-26`: the order of day and month is ambiguous.
-   pure logical function is_day_first(bytes, first, last)
-      !> Holds the field at first:last; a separator or line feed behind it
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64) :: p
-      integer(int64) :: value
-      integer :: digits(3), i
-
-      is_day_first = .false.
-      p = first
-      do i = 1, 3
-         if (p > last) return
-         call scan_digits(bytes, p, 4, value, digits(i))
-         if (digits(i) == 0) return
-         if (i == 3) exit
-         if (bytes(p) /= slash .and. bytes(p) /= minus) return
-         p = p + 1
-      end do
-      is_day_first = digits(1) <= 2 .and. digits(2) <= 2 .and. (digits(3) == 4 .or. digits(3) == 2) .and. &
-                     (p == last + 1 .or. bytes(p) == iachar("T") .or. bytes(p) == blank)
-   end function is_day_first
-
-   !> Days from 1970-01-01 in the Gregorian calendar: years that begin in March have the leap day at their end.
+   !> Days from 1970-01-01, Gregorian: years begin in March and end with the leap day.
    pure integer(int64) function day_number(year, month, day)
       !> Year 0 to 9999, month 1 to 13, day 1 to 31
       integer, intent(in) :: year, month, day
       integer(int64) :: y
 
       y = year - merge(1, 0, month < 3) + 400
-      day_number = 365*y + y/4 - y/100 + y/400 + (153*modulo(month - 3, 12) + 2)/5 + day - 1 - 719468 - 146097
+      day_number = 365*y + y/4 - y/100 + y/400 + (153*modulo(month - 3, 12) + 2)/5 + day - 1 &
+         - 719468 - 146097
    end function day_number
 
 end module gyroakf_io_date

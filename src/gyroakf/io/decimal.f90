@@ -14,8 +14,9 @@ module gyroakf_io_decimal
 
    !> "00" to "99"
    character(200), parameter :: pairs = &
-      "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445464748495051525354"// &
-      "555657585960616263646566676869707172737475767778798081828384858687888990919293949596979899"
+      "00010203040506070809101112131415161718192021222324252627282930313233343536373839"// &
+      "40414243444546474849505152535455565758596061626364656667686970717273747576777879"// &
+      "8081828384858687888990919293949596979899"
 
 contains
 
@@ -29,7 +30,7 @@ contains
       call real_to_text(value, digits, buffer, real_length)
    end function real_length
 
-   !> A number with so many significant digits, as C's `%.{digits}g`: 0.25, 12000, 1e-05; "nan", "inf", "-inf".
+   !> A number with so many significant digits, as C's `%.{digits}g`: 0.25, 1e-05; "nan", "-inf".
    pure function format_real(value, digits) result(text)
       !> Any number
       real(dp), intent(in) :: value
@@ -90,8 +91,9 @@ contains
       if (whole >= ten(count_digits)) count_digits = count_digits + 1
    end function count_digits
 
-   !> whole has the number of digits and whole * 10^(exponent - digits + 1) is next to the value: up to 15 digits are those of
-   !> the shortest number that reads back, rounded, except where that is a tie.
+   !> whole has the number of digits and whole * 10^(exponent - digits + 1) is next to the value: up
+   !> to 15 digits are those of the shortest number that reads back, rounded, except where that is a
+   !> tie.
    pure subroutine significant_digits(value, digits, whole, exponent)
       real(dp), intent(in) :: value
       integer, intent(in) :: digits
@@ -105,7 +107,8 @@ contains
       exponent = exponent + count_digits(whole) - 1
       rest = 0
       if (excess > 0) rest = mod(whole, ten(excess))
-      if (digits > 15 .or. value < tiny(value) .or. (excess > 0 .and. 2*rest == ten(max(excess, 0)))) then
+      if (digits > 15 .or. value < tiny(value) .or. (excess > 0 .and. &
+         2*rest == ten(max(excess, 0)))) then
          call library_digits(value, digits, whole, exponent)
          return
       end if
@@ -134,7 +137,7 @@ contains
 
    !> Places the point, leaves trailing zeros out.
    !>
-   !> Pieces of constant length are copied, longer than what is used: the compiler does these without a call.
+   !> Pieces of constant length are copied, longer than what is used: without a call.
    pure subroutine lay_out(whole, exponent, wanted, text, length)
       integer(int64), intent(in) :: whole
       integer, intent(in) :: exponent
@@ -216,13 +219,14 @@ contains
       length = length + 2
    end subroutine put_exponent
 
-   !> The shortest decimal number that reads back as a given double, and among those the nearest to it.
+   !> The shortest decimal number that reads back as a double, the nearest among those.
    !>
-   !> The numbers that read back as v = c 2^q lie within half a step of it (and on the ends where c is even). With
-   !> k = floor(log10 of the step) that interval holds at least one multiple of 10^k and at most one of 10^(k+1): the latter is
-   !> taken where there is one, else the nearer of the two multiples of 10^k around v. All comparisons are between numbers
-   !> that are rounded to odd, four times the value, from the first 126 bits of 10^-k, which decides every case exactly
-   !> (R. Giulietti, The Schubfach way to render doubles, 2020).
+   !> The numbers that read back as v = c 2^q lie within half a step of it (and on the ends where c
+   !> is even). With k = floor(log10 of the step) that interval holds at least one multiple of 10^k
+   !> and at most one of 10^(k+1): the latter is taken where there is one, else the nearer of the
+   !> two multiples of 10^k around v. All comparisons are between numbers that are rounded to odd,
+   !> four times the value, from the first 126 bits of 10^-k, which decides every case exactly (R.
+   !> Giulietti, The Schubfach way to render doubles, 2020).
    !>
    !> The number is whole * 10^exponent; trailing zeros are not taken out.
    pure subroutine shortest_digits(value, whole, exponent)

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Numbers as machines store them: integers and IEEE floating point of 1 to 8 bytes in either byte order.
+!> Numbers as machines store them: integers and IEEE floating point, 1 to 8 bytes, any byte order.
 !>
-!> Conversion looks at bits only: a NaN or an infinity of the file becomes a quiet NaN (missing) without a floating-point
-!> operation, so that no trap is sprung, not even by a signalling NaN.
+!> Conversion looks at bits only: a NaN or an infinity of the file becomes a quiet NaN (missing)
+!> without a floating-point operation, so that no trap is sprung, not even by a signalling NaN.
 module gyroakf_io_element
    use, intrinsic :: iso_c_binding, only : c_f_pointer, c_ptr
    use, intrinsic :: iso_fortran_env, only : real32
@@ -10,18 +10,25 @@ module gyroakf_io_element
    use gyroakf_kinds, only : dp, int16, int32, int64, int8
    implicit none (type, external)
    private
-   public :: element_type, parse_element, element_word, element_name, is_native, host_big_endian
+   public :: element_type, field_type, parse_element, element_word, element_name, is_native, &
+      host_big_endian
    public :: swap_elements, convert_elements, drop_infinite
 
    !> How a number is stored
    type :: element_type
-      !> "f" floating point, "i" signed, "u" unsigned integer, "b" logical
+      !> "f" floating point, "i" signed, "u" unsigned integer, "b" logical, "V" a row of fields
       character(1) :: kind = "f"
-      !> 1, 2, 4 or 8
+      !> 1, 2, 4 or 8; those of all fields
       integer :: bytes = 8
       !> Order of the bytes; of no meaning for one byte
       logical :: big_endian = .false.
    end type element_type
+
+   !> A number within a row of fields
+   type, extends(element_type) :: field_type
+      !> Bytes of the row before it
+      integer :: offset = 0
+   end type field_type
 
    !> Integers beyond it are not all doubles
    integer(int64), parameter :: exact = 9007199254740992_int64
@@ -68,18 +75,21 @@ contains
       if (element%bytes > 1) word(4:) = merge("be", "le", element%big_endian)
    end function element_word
 
-   !> Its name, filled with blanks: "float32", "uint8", "bool"; big endian is said.
+   !> Its name, filled with blanks: "float32", "uint8", "bool", "structured"; big endian is said.
    pure function element_name(element) result(name)
       !> Any
       type(element_type), intent(in) :: element
       character(18) :: name
-      character(2) :: bits
+      character(12) :: bits
 
       write (bits, "(i0)") 8*element%bytes
-      name = "bool"
-      if (element%kind == "f") name = "float"//trim(bits)
-      if (element%kind == "i") name = "int"//trim(bits)
-      if (element%kind == "u") name = "uint"//trim(bits)
+      select case (element%kind)
+      case ("f"); name = "float"//bits
+      case ("i"); name = "int"//bits
+      case ("u"); name = "uint"//bits
+      case ("V"); name = "structured"
+      case default; name = "bool"
+      end select
       if (element%big_endian .and. element%bytes > 1) name = trim(name)//" big endian"
    end function element_name
 
@@ -93,7 +103,8 @@ contains
       !> Any
       type(element_type), intent(in) :: element
 
-      is_native = element%kind == "f" .and. element%bytes == 8 .and. (element%big_endian .eqv. host_big_endian())
+      is_native = element%kind == "f" .and. element%bytes == 8 .and. &
+         (element%big_endian .eqv. host_big_endian())
    end function is_native
 
    !> Brings the bytes into this machine's order.
@@ -156,9 +167,11 @@ contains
       case ("u4"); value(:) = real(iand(int(four(first::step), int64), int(z"FFFFFFFF", int64)), dp)
       case ("f4"); value(:) = single(four(first::step))
       case ("i8"); value(:) = real(eight(first::step), dp)
-         rounded = rounded + count(eight(first::step) > exact .or. eight(first::step) < -exact, kind=int64)
+         rounded = rounded + count(eight(first::step) > exact .or. eight(first::step) < -exact, &
+            kind=int64)
       case ("u8"); value(:) = unsigned(eight(first::step))
-         rounded = rounded + count(eight(first::step) > exact .or. eight(first::step) < 0, kind=int64)
+         rounded = rounded + count(eight(first::step) > exact .or. eight(first::step) < 0, &
+            kind=int64)
       case default; value(:) = double(eight(first::step))
       end select
    end subroutine convert_elements
@@ -201,7 +214,7 @@ contains
       end if
    end function double
 
-   !> An integer of 64 bits without a sign; the last bit of a large one makes it odd, so that it is rounded right.
+   !> An unsigned integer of 64 bits; the last bit of a large one makes it odd, for the rounding.
    elemental real(dp) function unsigned(bits)
       integer(int64), intent(in) :: bits
 

@@ -5,15 +5,17 @@ module gyroakf_io_first_row
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
-   use gyroakf_io_date, only : is_day_first
+   use gyroakf_io_stamp_field, only : is_day_first
    use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type, map_row
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields, strip_lines
-   use gyroakf_io_place, only : integer_text, place_error
+   use gyroakf_io_labels, only : name_fields
+   use gyroakf_io_marks, only : find_marks, marks_type, strip_lines
+   use gyroakf_io_place, only : integer_text, line_error, place_error
    use gyroakf_io_preamble, only : read_preamble
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_rows, only : excerpt, join_fields
-   use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, first_rows, set_condition
+   use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, first_rows, &
+      set_condition
    use gyroakf_io_stamp_columns, only : find_joined, find_kinds, pair_stamps
    use gyroakf_io_table, only : choose, table_type
    use gyroakf_io_text, only : fields_type, has_fields, line_feed_from, split, split_line
@@ -26,9 +28,7 @@ contains
 
    !> Reads what stands above the rows of a table in text and decides on the columns.
    subroutine begin_table(lines, options, table, error)
-      !> Open
       type(lines_type), intent(inout) :: lines
-      !> What is wanted
       type(reader_options), intent(in) :: options
       !> All but the rows
       type(table_type), intent(out) :: table
@@ -42,16 +42,14 @@ contains
       call read_preamble(lines, options, table, error)
       if (allocated(error)) return
       allocate (as_read, source=lines%bytes, stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the first rows of "//table%name)
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for the first rows of "//table%name)
+      if (allocated(error)) return
       call lay_out(lines, options, table, error)
       if (table%layout%marked) call move_alloc(as_read, lines%bytes)
       if (.not. allocated(error)) call map_row(table%map, 1_int64, lines%number)
    end subroutine begin_table
 
-   !> Decides on the columns from the first line of numbers.
    subroutine lay_out(lines, options, table, error)
       type(lines_type), intent(inout) :: lines
       type(reader_options), intent(in) :: options
@@ -68,19 +66,21 @@ contains
       call settle_commas(lines, options%decimal_comma, table, error)
       if (allocated(error)) return
       call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
-      if (fields%count > most_columns) then
-         call place_error(error, table%name, lines%number, lines%bytes, lines%at, lines%to, fields%first(most_columns + 1), &
-            integer_text(int(fields%count, int64))//" columns, there may be "//integer_text(int(most_columns, int64)), &
-            "give one row of numbers per sample: have line ends got lost?")
-         return
-      end if
+      if (fields%count > most_columns) call place_error(error, table%name, lines%number, &
+         lines%bytes, lines%at, lines%to, fields%first(most_columns + 1), &
+         integer_text(fields%count)//" columns, there may be "//integer_text(most_columns), &
+         "give one row of numbers per sample: have line ends got lost?")
+      if (allocated(error)) return
       call refuse_ambiguous_dates(lines, options, fields, table, error)
       if (allocated(error)) return
       if (.not. (allocated(options%columns) .or. table%names%known)) then
          call refuse_long_rows(lines, fields%count, table%name, error)
          if (allocated(error)) return
       end if
-      call find_joined(lines%bytes, lines%at, lines%to, names_at_hand(table), table%layout, fields)
+      named = count_names(table%names)
+      if (named == 0) named = count_names(table%header%names)
+      if (named == 0) named = count_names(table%supposed)
+      call find_joined(lines%bytes, lines%at, lines%to, named, table%layout, fields)
       if (.not. table%names%known) call take_names(fields, table)
       named = fields%count
       if (table%names%known) then
@@ -96,9 +96,9 @@ contains
       if (.not. has_fields(fields, named)) then
          call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
          call place_error(error, table%name, lines%number, lines%bytes, lines%at, lines%to, &
-            fields%last(min(fields%count, named)) + 1, integer_text(int(fields%count, int64))//" columns where line "// &
-            integer_text(table%names%line)//" has "//integer_text(int(named, int64))//" names", &
-            "name every column, or mend the line")
+            fields%last(min(fields%count, named)) + 1, integer_text(fields%count)// &
+            " columns where line "//integer_text(table%names%line)//" has "//integer_text(named)// &
+            " names", "name every column, or mend the line")
          return
       end if
       table%layout%columns = named
@@ -111,26 +111,26 @@ contains
       end if
       call find_kinds(lines%bytes, fields, table%layout)
       call first_rows(lines%bytes, lines%at, lines%last, table%layout, field, failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the first rows of "//table%name)
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for the first rows of "//table%name)
+      if (allocated(error)) return
       texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), &
          j=1, size(field, 2))]
       if (.not. allocated(options%where)) call find_kinds_of_records(field, texts, table)
       call choose(options, texts, table, error)
       if (allocated(error)) return
-      if (.not. allocated(options%where) .and. (table%time > 0 .or. .not. allocated(options%time_column))) then
+      if (.not. allocated(options%where) .and. &
+         (table%time > 0 .or. .not. allocated(options%time_column))) then
          call find_interleaved(field, table, word)
-         if (allocated(word)) call place_error(error, table%name, lines%number, lines%bytes, lines%at, lines%to, lines%at, &
-                                                      word, "read one of them")
+         if (allocated(word)) call place_error(error, table%name, lines%number, lines%bytes, &
+            lines%at, lines%to, lines%at, word, "read one of them")
          if (allocated(error)) return
       end if
       call pair_stamps(lines%bytes, fields, table)
    end subroutine lay_out
 
-   !> Labels and brackets of the first row become blanks, as in all rows; the labels, or the names of cells with arrays, name the
-   !> fields. They stay where the names are as many as the fields without that.
+   !> Labels and brackets of the first row become blanks, as in all rows; the labels, or the names
+   !> of cells with arrays, name the fields. They stay where there are as many names as fields.
    subroutine take_marks(lines, table, error)
       type(lines_type), intent(inout) :: lines
       type(table_type), intent(inout) :: table
@@ -152,19 +152,11 @@ contains
       call name_fields(raw, lines%at, fields, table%names, array)
       if (table%names%line == 0) table%names%line = lines%number
       if (array > 0 .and. lines%to + 1 == lines%filled) array = -array
-      if (.not. any(array == [0, 2, 3, 4, 6, 9])) call place_error(error, table%name, lines%number, raw, lines%at, lines%to, &
-         lines%at, "an array of "//integer_text(int(abs(array), int64))//" values in one row: axes, or successive samples?", &
+      if (.not. any(array == [0, 2, 3, 4, 6, 9])) call place_error(error, table%name, &
+         lines%number, raw, lines%at, lines%to, lines%at, "an array of "// &
+         integer_text(abs(array))//" values in one row: axes, or successive samples?", &
          "write one row of numbers per sample")
    end subroutine take_marks
-
-   !> How many names the columns have, wherever they stand.
-   pure integer function names_at_hand(table)
-      type(table_type), intent(in) :: table
-
-      names_at_hand = count_names(table%names)
-      if (names_at_hand == 0) names_at_hand = count_names(table%header%names)
-      if (names_at_hand == 0) names_at_hand = count_names(table%supposed)
-   end function names_at_hand
 
    !> Dates with an ambiguous order of day and month are an error, unless the columns were chosen.
    subroutine refuse_ambiguous_dates(lines, options, fields, table, error)
@@ -179,8 +171,9 @@ contains
       do j = 1, fields%count
          if (fields%last(j) < fields%first(j)) cycle
          if (.not. is_day_first(lines%bytes, fields%first(j), fields%last(j))) cycle
-         call place_error(error, table%name, lines%number, lines%bytes, lines%at, lines%to, fields%first(j), &
-            "'"//excerpt(lines%bytes, fields%first(j), fields%last(j))//"' may have the day or the month first", &
+         call place_error(error, table%name, lines%number, lines%bytes, lines%at, lines%to, &
+            fields%first(j), "'"//excerpt(lines%bytes, fields%first(j), fields%last(j))// &
+            "' may have the day or the month first", &
             "write the year first, as in 2026-05-01, or leave the column out")
          return
       end do
@@ -200,7 +193,8 @@ contains
       rows = count(lines%bytes(lines%at:lines%last) == 10_int8, kind=int64)
       if (8*rows > columns) return
       advice = "a column for each: python3 -c ""import numpy; numpy.savetxt('columns.txt', "// &
-         "numpy.array([r.replace(',', ' ').split() for r in open('"//name//"') if r[0] != '#'], float).T)"""
+         "numpy.array([r.replace(',', ' ').split() for r in open('"//name// &
+         "') if r[0] != '#'], float).T)"""
       at = lines%at
       do while (at <= lines%last)
          to = line_feed_from(lines%bytes, at)
@@ -208,13 +202,11 @@ contains
          if (fields%count /= columns) advice = "write a column for each, all of one length"
          at = to + 1
       end do
-      call fatal_error(error, status%parse, name//":"//integer_text(lines%number)//":1: the number of rows is "// &
-         integer_text(rows)//", that of columns "//integer_text(int(columns, int64))// &
-         ": a series in each row?"//new_line("a")//advice)
+      call line_error(error, name, lines%number, "the number of rows is "//integer_text(rows)// &
+         ", that of columns "//integer_text(columns)//": a series in each row?", advice)
    end subroutine refuse_long_rows
 
-   !> Takes the names of the header's key `columns`, else the words of a comment or of the definition of a record, where their
-   !> number is right.
+   !> Takes the names of the header's key `columns`, else those that a comment or record may give.
    subroutine take_names(fields, table)
       type(fields_type), intent(in) :: fields
       type(table_type), intent(inout) :: table
@@ -225,15 +217,16 @@ contains
                table%names = names
                return
             end if
-            call add_text(table%warnings, "line "//integer_text(names%line)//": the header's columns are "// &
-               integer_text(size(names%name, kind=int64))//", the first row has "// &
-               integer_text(int(fields%count, int64))//"; the names are ignored")
+            call add_text(table%warnings, "line "//integer_text(names%line)// &
+               ": the header's columns are "//integer_text(size(names%name))// &
+               ", the first row has "//integer_text(fields%count)//"; the names are ignored")
          end if
       end associate
       if (.not. table%supposed%known) return
       if (.not. has_fields(fields, count_names(table%supposed))) return
       table%names = table%supposed
-      call add_text(table%warnings, "the names of the columns are taken from line "//integer_text(table%names%line), note=.true.)
+      call add_text(table%warnings, "the names of the columns are taken from line "// &
+         integer_text(table%names%line), note=.true.)
    end subroutine take_names
 
 end module gyroakf_io_first_row

@@ -34,8 +34,7 @@ module gyroakf_io_gzip
    end type inflater_type
 
    !> Of zlib.h: return codes, no flushing, the largest window with gzip headers only
-   integer(c_int), parameter :: z_ok = 0, z_stream_end = 1, z_mem_error = -4, &
-      z_buf_error = -5
+   integer(c_int), parameter :: z_ok = 0, z_stream_end = 1, z_mem_error = -4, z_buf_error = -5
    integer(c_int), parameter :: z_no_flush = 0, gzip_window = 15 + 16
    !> Bytes that zlib writes in one call at most: it counts them in 32 bits
    integer(int64), parameter :: most_written = 2_int64**30

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> What comment lines say about the record: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `# columns: t gx gy gz`.
+!> What comment lines say: `# rate_hz: 5`, `# dt = 0.2`, `# unit: deg/h`, `# columns: t gx gy`.
 !>
-!> They are read leniently (the first number counts); a value that cannot be understood is a warning, never an error.
+!> The first number counts; a value that cannot be understood is a warning, never an error.
 module gyroakf_io_header
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_column_class, only : noteless_length
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : lines_type
@@ -28,7 +28,7 @@ module gyroakf_io_header
       real(dp) :: rate_hz = 0.0_dp
       !> Of the values; quantity unknown where it says none
       type(unit_type) :: unit
-      !> Of each column, as written: [column], with or without the time's; unallocated where it says none
+      !> Of each column, as written: [column], with or without the time's; unallocated for none
       type(text_type), allocatable :: units(:)
       !> What could not be understood of the units: of no account where the user gives one
       type(text_type), allocatable :: unit_warnings(:)
@@ -38,14 +38,10 @@ module gyroakf_io_header
 
 contains
 
-   !> Takes in one comment line; lines without a known key are ignored. A rate may stand behind other
-   !> keys and their values.
+   !> Takes in one comment line. A rate may stand behind other keys and their values.
    subroutine read_comment(lines, header, warnings)
-      !> At the line
       type(lines_type), intent(in) :: lines
-      !> What is known so far
       type(header_type), intent(inout) :: header
-      !> What could not be understood
       type(text_type), allocatable, intent(inout) :: warnings(:)
       integer(int64) :: first, from, last, mark
       character(:), allocatable :: key
@@ -63,8 +59,8 @@ contains
          from = first_visible(lines%bytes, mark + 1, lines%to)
          last = last_visible(lines%bytes, from, lines%to)
          select case (key)
-         case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate", "data rate", "data_rate", &
-               "sample_rate", "sampling_rate", "sampling frequency")
+         case ("rate_hz", "dt", "sample rate", "sampling rate", "update rate", "data rate", &
+            "data_rate", "sample_rate", "sampling_rate", "sampling frequency")
             call read_rate(lines, from, key, header, warnings)
             return
          case ("unit", "units")
@@ -80,32 +76,8 @@ contains
       end do
    end subroutine read_comment
 
-   !> The first number of a value and the word behind it.
-   subroutine first_number(bytes, first, last, x, word)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      real(dp), intent(out) :: x
-      character(:), allocatable, intent(out) :: word
-      integer(int64) :: p, to
-      integer :: found
-
-      p = first
-      word = ""
-      x = 0.0_dp
-      if (p > last) return
-      call scan_number(bytes, p, x, found)
-      if (found /= number%ok .or. bytes(p) == iachar(",")) x = 0.0_dp
-      p = first_visible(bytes, p, last)
-      to = p
-      do while (to <= last)
-         if (bytes(to) <= 32) exit
-         to = to + 1
-      end do
-      word = lower(bytes_text(bytes, p, to - 1))
-   end subroutine first_number
-
-   !> Keys `rate_hz` and `dt`, in Hz and seconds unless a unit follows; where an earlier line said another rate, the later counts
-   !> and a warning says so.
+   !> Keys `rate_hz` and `dt`, in Hz and seconds unless a unit follows; where an earlier line said
+   !> another rate, the later counts and a warning says so.
    subroutine read_rate(lines, first, key, header, warnings)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: first
@@ -113,9 +85,19 @@ contains
       type(header_type), intent(inout) :: header
       type(text_type), allocatable, intent(inout) :: warnings(:)
       character(:), allocatable :: word
+      integer(int64) :: p
+      integer :: found
       real(dp) :: x, scale
 
-      call first_number(lines%bytes, first, lines%to, x, word)
+      p = first
+      word = ""
+      x = 0.0_dp
+      if (p <= lines%to) then
+         call scan_number(lines%bytes, p, x, found)
+         if (found /= number%ok .or. lines%bytes(p) == iachar(",")) x = 0.0_dp
+         word = lower(bytes_text(lines%bytes, first_visible(lines%bytes, p, lines%to), lines%to))
+         word = word(:scan(word//" ", " "//achar(9)) - 1)
+      end if
       scale = time_scale(word)
       if (key == "dt" .and. scale > 0.0_dp) x = x*scale
       if (key /= "dt" .and. word == "khz") x = 1.0e3_dp*x
@@ -126,76 +108,68 @@ contains
       end if
       if (key == "dt") x = 1.0_dp/x
       if (header%rate_hz > 0.0_dp .and. abs(header%rate_hz - x) > 1.0e-6_dp*x) then
-         call add_text(warnings, "line "//integer_text(lines%number)//": the header gives a second rate, "//format_real(x, 6)// &
-                       " Hz after "//format_real(header%rate_hz, 6)//" Hz; the last counts, `rate_hz` overrides it")
+         call add_text(warnings, "line "//integer_text(lines%number)// &
+            ": the header gives a second rate, "//format_real(x, 6)//" Hz after "// &
+            format_real(header%rate_hz, 6)//" Hz; the last counts, `rate_hz` overrides it")
       end if
       header%rate_hz = x
    end subroutine read_rate
 
-   !> Key `unit`: the whole value, or its first word; where every word is a unit, or the key is `units`, one for each column.
+   !> Key `unit`: the whole value or its first word; or a unit for each column.
    subroutine read_unit(lines, first, last, key, header)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: first, last
       character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
       type(text_type), allocatable :: words(:)
-      type(unit_type) :: unit
+      type(unit_type) :: unit, last_unit
       type(error_type), allocatable :: failed
       character(:), allocatable :: value
-      integer :: i, several, first_word
+      integer :: i, several, last_words
+      logical :: known
 
       value = bytes_text(lines%bytes, first, last)
       value = value(:noteless_length(value))
       call parse_unit(value, unit, failed)
-      if (allocated(failed)) then
+      known = .not. allocated(failed)
+      if (.not. known) then
          call split_words(value, words)
          several = 0
          do i = 1, size(words)
             call parse_unit(words(i)%text, unit, failed)
             if (.not. allocated(failed)) several = several + 1
          end do
-         if (several > 0 .and. size(words) > 1 .and. (several == size(words) .or. key == "units")) then
+         if (several > 0 .and. size(words) > 1 .and. &
+            (several == size(words) .or. key == "units")) then
             call move_alloc(words, header%units)
             header%unit = unit_type()
             return
          end if
-         first_word = scan(value, " ,;"//achar(9)) - 1
-         if (first_word < 0) first_word = len(value)
-         call parse_unit(value(:first_word), unit, failed)
-         if (allocated(failed) .and. key == "units") call find_named_unit(words, unit, failed)
+         call parse_unit(value(:scan(value//" ", " ,;"//achar(9)) - 1), unit, failed)
+         known = .not. allocated(failed)
       end if
-      if (allocated(failed)) then
+      if (.not. known .and. key == "units") then                 ! names stand before the units
+         last_words = 0
+         do i = 1, size(words)
+            associate (word => words(i)%text)
+               call parse_unit(word(index(word, " ", back=.true.) + 1:), last_unit, failed)
+            end associate
+            if (allocated(failed)) cycle
+            last_words = last_words + 1
+            unit = last_unit
+         end do
+         known = last_words == 1
+      end if
+      if (.not. known) then
          call warn(lines, first, key, "is not known", header%unit_warnings)
          if (index(value, "increment") > 0) call add_text(header%unit_warnings, &
-            "if the numbers are increments of an angle, say so: `input` increment, `unit` arcsec "// &
-            "(deg, rad, ...), and `scale` F where a count is F of that unit")
+            "if the numbers are increments of an angle, say so: `input` increment, `unit` "// &
+            "arcsec (deg, rad, ...), and `scale` F where a count is F of that unit")
       else
          header%unit = unit
          if (allocated(header%units)) deallocate (header%units)
       end if
    end subroutine read_unit
-
-   !> The one unit of "t s, gyro deg/s", where names stand before the units.
-   subroutine find_named_unit(words, unit, error)
-      type(text_type), intent(in) :: words(:)
-      type(unit_type), intent(out) :: unit
-      !> None of them ends with a unit, or several do
-      type(error_type), allocatable, intent(out) :: error
-      type(error_type), allocatable :: failed
-      type(unit_type) :: last_word
-      integer :: i, found
-
-      found = 0
-      do i = 1, size(words)
-         associate (word => words(i)%text)
-            call parse_unit(word(index(word, " ", back=.true.) + 1:), last_word, failed)
-         end associate
-         if (allocated(failed)) cycle
-         found = found + 1
-         unit = last_word
-      end do
-      if (found /= 1) call fatal_error(error, status%parse, "not one unit")
-   end subroutine find_named_unit
 
    !> Words between commas and semicolons where there are any, else between blanks and tabs.
    pure subroutine split_words(text, words)
@@ -216,7 +190,6 @@ contains
       end do
    end subroutine split_words
 
-   !> Appends a warning about a key.
    subroutine warn(lines, first, key, what, warnings)
       type(lines_type), intent(in) :: lines
       integer(int64), intent(in) :: first
@@ -224,8 +197,8 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
 
       call add_text(warnings, "line "//integer_text(lines%number)//": the header's "//key//" '"// &
-         shown_bytes(lines%bytes, first, &
-         min(last_visible(lines%bytes, first, lines%to), first + 60))//"' "//what//" and is ignored")
+         shown_bytes(lines%bytes, first, min(last_visible(lines%bytes, first, lines%to), &
+         first + 60))//"' "//what//" and is ignored")
    end subroutine warn
 
 end module gyroakf_io_header

@@ -1,22 +1,23 @@
 ! SPDX-License-Identifier: MIT
-!> Lines of words above the rows of a table: names of the columns and their units, in comments too, as `rostopic echo -p`
-!> (`%time,field.x`) and numpy's `savetxt` (`# t gx gy`) write them.
+!> Lines of words above the rows of a table: names of the columns and their units, in comments too,
+!> as `rostopic echo -p` (`%time,field.x`) and numpy's `savetxt` (`# t gx gy`) write them.
 module gyroakf_io_heading
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : is_time_name, is_unit
-   use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, read_names, take_brackets_off
+   use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, &
+      read_names, take_brackets_off
    use gyroakf_io_date, only : is_digit
    use gyroakf_io_leave_out, only : is_text
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : is_missing_field
    use gyroakf_io_rows, only : layout_type
-   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, has_fields, is_no_row, &
-      last_visible, line_feed_from, split, split_line
+   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, &
+      has_fields, is_no_row, last_visible, line_feed_from, split, split_line
    implicit none (type, external)
    private
-   public :: only_words, find_pattern, alike, is_setting, labels_are_names, begins_with_names, suppose_names, &
-      suppose_record_names, take_heading
+   public :: only_words, find_pattern, alike, is_setting, labels_are_names, begins_with_names, &
+      suppose_names, suppose_record_names, take_heading
 
    !> So many lines below one that may be a setting are looked at
    integer, parameter :: most_ahead = 256
@@ -25,7 +26,6 @@ contains
 
    !> True for a line that holds words and nothing like a number: names of columns.
    logical function only_words(lines)
-      !> At the line
       type(lines_type), intent(in) :: lines
       type(fields_type) :: fields
       integer :: i
@@ -39,16 +39,15 @@ contains
             only_words = .false.
             return
          end if
-         only_words = only_words .or. .not. is_missing_field(lines%bytes, fields%first(i), fields%last(i))
+         only_words = only_words .or. &
+            .not. is_missing_field(lines%bytes, fields%first(i), fields%last(i))
       end do
    end function only_words
 
-   !> What the fields of a line hold without its marks: "n" a number, right or wrong, "t" a word, "-" a word for a missing number.
+   !> What the fields of a line hold: "n" a number, right or wrong, "t" a word, "-" a missing one.
    subroutine find_pattern(bytes, first, last, pattern, marks)
-      !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> A character for each field
       character(:), allocatable, intent(out) :: pattern
       type(marks_type), intent(out) :: marks
       type(fields_type) :: fields
@@ -56,7 +55,9 @@ contains
       integer :: j
 
       line(:) = bytes(first:last)
-      if (any(line == iachar(";"))) where (line == iachar(",")) line = iachar(".")   ! decimal commas
+      if (any(line == iachar(";"))) then
+         where (line == iachar(",")) line = iachar(".")                         ! decimal commas
+      end if
       call find_marks(line, 1_int64, size(line, kind=int64), .true., marks)
       call split_line(line, 1_int64, size(line, kind=int64), split%mixed, fields)
       pattern = repeat("n", fields%count - merge(1, 0, fields%trailing))
@@ -70,15 +71,13 @@ contains
       end do
    end subroutine find_pattern
 
-   !> True for a line above the table that holds a setting: words among numbers, or a label, unlike the lines that follow.
+   !> True for a setting above the table: words among numbers, or a label, unlike the lines below.
    !>
-   !> It is a row where the next one, or two behind others, have the same number of fields, labels and words in the same places;
-   !> with a word in front these begin with the same one: records of several kinds. So is what begins with a number and has as
-   !> many fields.
+   !> It is a row where the next one, or two behind others, have the same number of fields, labels
+   !> and words in the same places; with a word in front these begin with the same one: records of
+   !> several kinds. So is what begins with a number and has as many fields.
    logical function is_setting(lines, pattern, marks)
-      !> At the line
       type(lines_type), intent(in) :: lines
-      !> Of the line
       character(*), intent(in) :: pattern
       type(marks_type), intent(in) :: marks
       character(:), allocatable :: other
@@ -108,11 +107,9 @@ contains
       if (i <= most_ahead) is_setting = .false.
    end function is_setting
 
-   !> True for words with labels, "time: s, gx: deg/s", that stand on a row of as many numbers without labels: names.
+   !> True for names in the form of labels, "time: s, gx: deg/s", above a row of as many numbers.
    logical function labels_are_names(lines, pattern)
-      !> At the line
       type(lines_type), intent(in) :: lines
-      !> Of the line
       character(*), intent(in) :: pattern
       character(:), allocatable :: other
       type(marks_type) :: marks
@@ -123,12 +120,12 @@ contains
       labels_are_names = index(pattern, "n") == 0 .and. at <= lines%last
       if (.not. labels_are_names) return
       call find_pattern(lines%bytes, at, line_feed_from(lines%bytes, at) - 1, other, marks)
-      call split_line(lines%bytes, lines%at, lines%to, names_way(lines%bytes, lines%at, lines%to), fields)
-      labels_are_names = marks%labels == 0 .and. verify(other, "n- ") == 0 .and. index(other, "n") > 0 .and. &
-                         has_fields(fields, len(other))
+      call split_line(lines%bytes, lines%at, lines%to, names_way(lines%bytes, lines%at, lines%to), &
+         fields)
+      labels_are_names = marks%labels == 0 .and. verify(other, "n- ") == 0 .and. &
+         index(other, "n") > 0 .and. has_fields(fields, len(other))
    end function labels_are_names
 
-   !> True for lines whose first words are equal.
    pure logical function begin_alike(bytes, first, second)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, second
@@ -136,7 +133,8 @@ contains
       integer(int64) :: i
 
       i = 0
-      do while (bytes(first + i) == bytes(second + i) .and. scan(achar(iand(int(bytes(first + i)), 255)), ends) == 0)
+      do while (bytes(first + i) == bytes(second + i) .and. &
+         scan(achar(iand(int(bytes(first + i)), 255)), ends) == 0)
          i = i + 1
       end do
       begin_alike = bytes(first + i) == bytes(second + i)
@@ -144,41 +142,41 @@ contains
 
    !> True for patterns of rows of one table: equal but for what is missing.
    pure logical function alike(pattern, other)
-      !> Of two lines
       character(*), intent(in) :: pattern, other
       integer :: j
 
       alike = len(pattern) == len(other)
-      do j = 1, merge(len(pattern), 0, alike)
-         alike = alike .and. (pattern(j:j) == other(j:j) .or. scan(pattern(j:j)//other(j:j), "- ") > 0)
-      end do
+      if (alike) alike = all([(pattern(j:j) == other(j:j) .or. &
+         scan(pattern(j:j)//other(j:j), "- ") > 0, j=1, len(pattern))])
    end function alike
 
-   !> True for a line that begins with a semicolon and holds names between semicolons: the first column has none.
+   !> True for names between semicolons of which the first is empty.
    logical function begins_with_names(lines)
-      !> At the line
       type(lines_type), intent(in) :: lines
 
       begins_with_names = begins_with_semicolon(lines%bytes, lines%at, lines%to)
-      if (begins_with_names) begins_with_names = count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1
+      if (begins_with_names) begins_with_names = &
+         count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1
       if (begins_with_names) begins_with_names = only_words(lines)
    end function begins_with_names
 
-   !> True for a byte that a name does not begin with, perhaps behind brackets: what begins so, or with U+2212, is a number,
-   !> right or wrong.
+   !> True for a byte that a name does not begin with, perhaps behind brackets: what begins so, or
+   !> with U+2212, is a number, right or wrong.
    pure recursive logical function begins_like_number(bytes, at) result(begins)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
 
       begins = is_digit(bytes(at)) .or. bytes(at) == 43 .or. bytes(at) == 45
       if (bytes(at) == 46) begins = is_digit(bytes(at + 1))
-      if (bytes(at) == -30_int8) begins = bytes(at + 1) == -120_int8 .and. bytes(at + 2) == -110_int8
-      if (any(bytes(at) == [40_int8, 60_int8, 91_int8])) begins = begins_like_number(bytes, at + 1) .and. bytes(at + 2) /= 93
+      if (bytes(at) == -30_int8) begins = bytes(at + 1) == -120_int8 .and. &
+         bytes(at + 2) == -110_int8
+      if (any(bytes(at) == iachar(["(", "<", "["]))) then
+         begins = begins_like_number(bytes, at + 1) .and. bytes(at + 2) /= iachar("]")
+      end if
    end function begins_like_number
 
-   !> Takes in a line of words: names, units below them, or names below a title or below groups of columns.
+   !> Takes in a line of words: names, units below them, names below a title or groups of columns.
    subroutine take_heading(lines, behind_setting, names, layout)
-      !> At the line
       type(lines_type), intent(in) :: lines
       !> True where a setting stands between the names so far and this line
       logical, intent(in) :: behind_setting
@@ -192,14 +190,16 @@ contains
       if (taken) return
       above = names
       call read_names(lines%bytes, lines%at, lines%to, lines%number, names)
-      if (above%known .and. count_names(above) == count_names(names) .and. .not. behind_setting) call join_names(above, names)
+      if (above%known .and. count_names(above) == count_names(names) .and. &
+         .not. behind_setting) call join_names(above, names)
       associate (bytes => lines%bytes)
-         layout%heading = bytes(first_visible(bytes, lines%at, lines%to):last_visible(bytes, lines%at, lines%to))
+         layout%heading = &
+            bytes(first_visible(bytes, lines%at, lines%to):last_visible(bytes, lines%at, lines%to))
       end associate
       layout%semicolons = any(lines%bytes(lines%at:lines%to) == iachar(";"))
    end subroutine take_heading
 
-   !> Takes in a line of units below the names, in brackets or not; not taken where no word of it is a unit.
+   !> Takes in a line of units below the names, in brackets or not, if it is one.
    subroutine take_units(lines, names, taken)
       type(lines_type), intent(in) :: lines
       type(column_names_type), intent(inout) :: names
@@ -222,11 +222,10 @@ contains
       if (taken) names%unit = words%name
    end subroutine take_units
 
-   !> Takes a comment for names of columns: words between commas, semicolons or tabs, or a time and words between blanks.
+   !> Takes a comment for names: words between separators, or a time and words between blanks.
    !>
    !> Whether they are names is decided later, by the number of columns.
    subroutine suppose_names(lines, supposed)
-      !> At the line
       type(lines_type), intent(in) :: lines
       !> Left alone where the comment is no list of words, or has a colon or an equals sign
       type(column_names_type), intent(inout) :: supposed
@@ -241,25 +240,25 @@ contains
       if (to < from) return
       call read_names(lines%bytes, from, to, lines%number, names)
       if (count_names(names) < 2) return
-      if (names_way(lines%bytes, from, to) == split%mixed .and. .not. is_time_name(names%name(1)%text)) return
+      if (names_way(lines%bytes, from, to) == split%mixed .and. &
+         .not. is_time_name(names%name(1)%text)) return
       do i = 1, size(names%name)
          if (len(names%name(i)%text) == 0) cycle
          if (scan(names%name(i)%text(1:1), "+-0123456789") > 0) return
-         if (names%name(i)%text(1:1) == "." .and. scan(names%name(i)%text, "0123456789") == 2) return
+         if (names%name(i)%text(1:1) == "." .and. &
+            scan(names%name(i)%text, "0123456789") == 2) return
       end do
       supposed = names
    end subroutine suppose_names
 
-   !> Takes the words behind the name of a record for the names of its fields: `FMT, 134, 51, IMU, QBfff, TimeUS,I,GyrX,GyrY,GyrZ`.
+   !> Takes the words behind the name of a record for the names of its fields: `FMT, 134, 51, IMU,
+   !> QBfff, TimeUS,I,GyrX,GyrY,GyrZ`.
    subroutine suppose_record_names(bytes, fields, line, record, supposed)
-      !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
       type(fields_type), intent(in) :: fields
-      !> Number of the line
       integer(int64), intent(in) :: line
-      !> The name of the record
       integer(int8), intent(in), contiguous :: record(:)
-      !> As many names as words; left alone where there are none behind the name, or numbers among them
+      !> Left alone where there are no words behind the name, or numbers among them
       type(column_names_type), intent(inout) :: supposed
       type(column_names_type) :: names
       integer :: j
@@ -271,7 +270,8 @@ contains
       if (j > fields%count - 2) return
       call read_names(bytes, fields%first(j + 1), fields%last(fields%count), line, names)
       do j = 1, size(names%name)
-         if (verify(names%name(j)%text(:min(1, len(names%name(j)%text))), "+-.0123456789") == 0) return
+         if (verify(names%name(j)%text(:min(1, len(names%name(j)%text))), &
+            "+-.0123456789") == 0) return
       end do
       supposed = names
    end subroutine suppose_record_names

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Mean stamps of blocks of samples, and how far the lag has to rise from block to block to be a loss: for stamps that are late,
-!> jittery, coarse or come in bursts.
+!> Mean stamps of blocks of samples, and how far the lag has to rise from block to block to be a
+!> loss: for stamps that are late, jittery, coarse or come in bursts.
 module gyroakf_io_lag_levels
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
@@ -9,14 +9,13 @@ module gyroakf_io_lag_levels
    private
    public :: find_levels
 
-   !> Samples of a block; blocks of the longest window; positions looked at for the scatter; samples between levels that are
-   !> compared for late deliveries
+   !> Samples of a block; blocks of the longest window; positions looked at; samples between levels
    integer, parameter :: block_rows = 16, most_blocks = 64
    integer(int64), parameter :: looked_at = 2001, distant = 2048
 
 contains
 
-   !> The levels of blocks as short as the scatter of their differences allows (below 0.12 samples), 1024 samples at most.
+   !> The levels of blocks as short as the scatter allows (below 0.12 samples), 1024 at most.
    subroutine find_levels(t, cadence, level, rows, step, rise, longest)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
@@ -28,7 +27,7 @@ contains
       integer, intent(out) :: rows
       !> s from sample to sample
       real(dp), intent(out) :: step
-      !> Least rise of the lag at a loss, samples: 0.75 and five times the scatter, more for a coarse clock and for bursts
+      !> Least rise of the lag at a loss, samples: 0.75, 5 times the scatter, more for bursts
       real(dp), intent(out) :: rise
       !> Longest step of most blocks of 16 samples, samples
       real(dp), intent(out) :: longest
@@ -62,7 +61,7 @@ contains
       if (height >= 2.0_dp + cadence%resolution/step) rise = max(rise, burst_bound(height, mean))
    end subroutine find_levels
 
-   !> The shortest window whose means scatter by less than 0.12 steps, else the one that scatters least; and the step.
+   !> The shortest window whose means scatter by less than 0.12 steps, else the best; the step.
    subroutine choose_window(level, rough, window, scatter, step)
       real(dp), intent(in), contiguous :: level(:)
       real(dp), intent(in) :: rough
@@ -106,8 +105,8 @@ contains
       place(:) = [(1 + ((k - 1)*(last - 1))/max(size(place) - 1, 1), k=1, size(place, kind=int64))]
    end function spread_over
 
-   !> Mean of the middle three fifths: samples that are delivered together make rises of few different sizes, and a median jumps
-   !> from one to the other.
+   !> Mean of the middle three fifths: samples that are delivered together make rises of few
+   !> different sizes, and a median jumps from one to the other.
    real(dp) function middle_mean(x)
       real(dp), intent(in) :: x(:)
       real(dp) :: y(size(x))
@@ -127,9 +126,10 @@ contains
       spread_of = max(1.4826_dp*y((size(y) + 1)/2), 0.7803_dp*y(max(1, (4*size(y))/5)))
    end function spread_of
 
-   !> Where a tick of the clock is about the step or several steps, the two beat: the lag of a clock that counts in nearly a whole
-   !> number of steps jumps by one at each beat. Where no window averages beats, one lost sample is not distinguishable;
-   !> where a tick holds more than two samples, losses of less than 1.2 ticks cannot (samples that are delivered together do too).
+   !> Where a tick of the clock is about the step or several steps, the two beat: the lag of a clock
+   !> that counts in nearly a whole number of steps jumps by one at each beat. Where no window
+   !> averages beats, one lost sample is not distinguishable; where a tick holds more than two
+   !> samples, losses of less than 1.2 ticks cannot (samples that are delivered together do too).
    pure real(dp) function beat_bound(cadence, step, window)
       type(cadence_type), intent(in) :: cadence
       real(dp), intent(in) :: step
@@ -140,10 +140,11 @@ contains
       ratio = cadence%resolution/step
       if (ratio < 0.7_dp) return
       if (ratio > 2.0_dp) beat_bound = 1.2_dp*ratio
-      if (abs(ratio/max(1.0_dp, anint(ratio)) - 1.0_dp)*real(window*block_rows, dp) < 5.0_dp) beat_bound = max(beat_bound, 1.6_dp)
+      if (abs(ratio/max(1.0_dp, anint(ratio)) - 1.0_dp)*real(window*block_rows, &
+         dp) < 5.0_dp) beat_bound = max(beat_bound, 1.6_dp)
    end function beat_bound
 
-   !> The longest step of most blocks, and what usually lies between the largest and the smallest lag of a block, in steps.
+   !> The usual longest step of blocks, and the usual range of the lag of a block, in steps.
    subroutine measure_blocks(t, step, longest, height)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: step
@@ -163,8 +164,9 @@ contains
       height = median_of(seen(:, 2))
    end subroutine measure_blocks
 
-   !> Where samples come in bursts, deliveries are late for seconds and minutes too: a loss has to be more than the height of a
-   !> block, and three times the scatter of the levels 2048 samples apart.
+   !> Where samples come in bursts, deliveries are late for seconds and minutes too: a loss has to
+   !> be more than the height of a block, and three times the scatter of the levels 2048 samples
+   !> apart.
    real(dp) function burst_bound(height, level)
       real(dp), intent(in) :: height
       real(dp), intent(in), contiguous :: level(:)

@@ -14,10 +14,10 @@ module gyroakf_io_layout
       integer :: stored = 0
       !> Where a column is kept, 0 where it is not: [column]
       integer, allocatable :: slot(:)
-      !> The last column may be left away: the row that it was counted in ended with a separator
+      !> The last column may be left away: the first row ended with a separator
       logical :: last_optional = .false.
-      !> Columns of dates and times of day: one of the components of stamp_kind, negative where it is added to what another column
-      !> of the same slot gave: [column]
+      !> Columns of dates and times of day: one of the components of stamp_kind, negative where it
+      !> is added to what another column of the same slot gave: [column]
       integer, allocatable :: kind(:)
       !> Stamps are counted from this day or whole number
       integer(int64) :: origin = 0
@@ -25,8 +25,7 @@ module gyroakf_io_layout
       integer :: joined = 0
       !> What commas are, see [[gyroakf_io_commas]]: 0 where they part columns
       integer :: commas = 0
-      !> The line of the names, from its first visible byte to the last: where it is met again it is no row; unallocated where
-      !> there is none
+      !> The line of the names: where it is met again it is no row; unallocated where there is none
       integer(int8), allocatable :: heading(:)
       !> Only rows are read that hold this in this column, 0 for all rows
       integer :: where_column = 0
@@ -35,12 +34,13 @@ module gyroakf_io_layout
       real(dp) :: where_number = 0.0_dp
       !> Other rows are wrong: a column of words distinguishes records of several kinds
       logical :: strict = .false.
-      !> Rows hold labels or brackets, see [[gyroakf_io_marks]]; only those of the first row are read, others are wrong, or left out
+      !> Rows hold labels or brackets, see [[gyroakf_io_marks]]; only those of the first row are
+      !> read, others are wrong, or left out
       logical :: marked = .false., where_label = .false.
       integer(int64) :: skeleton = 0
       !> Lines that cannot be read count as missing samples instead of being an error
       logical :: bad_lines_missing = .false.
-      !> Semicolons part the columns: a line that begins with one may be a row whose first field is empty
+      !> Semicolons part the columns: a line that begins with one may be a row
       logical :: semicolons = .false.
    end type layout_type
 

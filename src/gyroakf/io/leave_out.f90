@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Which columns are analyzed: gyroscopes, then accelerometers. The others are listed.
 module gyroakf_io_leave_out
-   use gyroakf_kinds, only : int64
    use gyroakf_io_columns, only : column_names_type
    use gyroakf_io_number, only : is_missing_word
    use gyroakf_io_place, only : integer_text
@@ -17,9 +16,8 @@ module gyroakf_io_leave_out
 
 contains
 
-   !> True for a word that can be no number, not even a wrong one; what holds a number behind a colon is not.
+   !> True for a word that can be no number, not even a wrong one or one behind a colon.
    pure logical function is_text(field)
-      !> Of a row
       character(*), intent(in) :: field
       character(*), parameter :: beginnings = "abcdefghijklmnopqrstuvwxyz_=:|>$"
       character(2), parameter :: degree = char(194)//char(176)
@@ -38,7 +36,6 @@ contains
 
    !> What each column of a file measures; p, q and r together are the rates of a body.
    pure function classes_of(names, units, texts, columns) result(class)
-      !> Of the file
       type(column_names_type), intent(in) :: names
       !> Of the header's key `units`: [column], or of another size
       type(text_type), intent(in) :: units(:)
@@ -58,46 +55,47 @@ contains
          if (size(texts) == columns) class(j) = merge(column_class%text, class(j), texts(j))
       end do
       if (.not. names%known) return
-      turns = [(findloc([(lower(names%name(j)%text) == "pqr"(i:i), j=1, columns)], .true., dim=1), i=1, 3)]
+      turns = [(findloc([(lower(names%name(j)%text) == "pqr"(i:i), j=1, columns)], .true., dim=1), &
+         i=1, 3)]
       if (all(turns > 0)) class(turns) = column_class%rate
    end function classes_of
 
-   !> Which columns are analyzed: gyroscopes and accelerometers, else what may be one, else all numbers.
+   !> Which columns are analyzed: gyroscopes and accelerometers, else what may be one, else all.
    pure function analyzed_columns(class, angles) result(analyzed)
-      !> Of some columns
       integer, intent(in) :: class(:)
       !> True where they hold angles or increments
       logical, intent(in) :: angles
       logical :: analyzed(size(class))
 
       if (angles) then
-         analyzed = class == column_class%rate .or. class == column_class%acceleration .or. class == column_class%angle &
-                    .or. class == column_class%unknown .or. class == column_class%other .or. class == column_class%position
+         analyzed = class == column_class%rate .or. class == column_class%acceleration .or. &
+            class == column_class%angle .or. class == column_class%unknown .or. &
+            class == column_class%other .or. class == column_class%position
       else if (any(class == column_class%rate)) then
          analyzed = class == column_class%rate .or. class == column_class%acceleration
       else
          analyzed = class == column_class%unknown .or. class == column_class%acceleration
       end if
-      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. class /= column_class%time .and. &
-                                          class /= column_class%temperature .and. class /= column_class%counter
-      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. class /= column_class%time
+      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. &
+         class /= column_class%time .and. class /= column_class%temperature .and. &
+         class /= column_class%counter
+      if (.not. any(analyzed)) analyzed = class /= column_class%text .and. &
+         class /= column_class%time
       if (.not. any(analyzed)) analyzed = class /= column_class%text
    end function analyzed_columns
 
    !> The columns of the record in their order: gyroscopes, then accelerometers, then the others.
    pure function in_order(class) result(order)
-      !> Of some columns
       integer, intent(in) :: class(:)
       integer :: order(size(class)), i
 
       order = [pack([(i, i=1, size(class))], class == column_class%rate), &
-               pack([(i, i=1, size(class))], class == column_class%acceleration), &
-               pack([(i, i=1, size(class))], class /= column_class%rate .and. class /= column_class%acceleration)]
+         pack([(i, i=1, size(class))], class == column_class%acceleration), pack([(i, i=1, &
+         size(class))], class /= column_class%rate .and. class /= column_class%acceleration)]
    end function in_order
 
-   !> One sentence on the columns that are not analyzed, with numbers and names, and what they measure.
+   !> One sentence on the columns that are not analyzed: numbers, names, what they measure.
    subroutine list_left_out(names, class, left, warnings)
-      !> Of the file
       type(column_names_type), intent(in) :: names
       !> [column]
       integer, intent(in) :: class(:)
@@ -119,7 +117,7 @@ contains
             if (class(before) /= class(j)) list = list//" ("//trim(class_names(class(before)))//");"
             if (class(before) == class(j)) list = list//","
          end if
-         list = list//" "//integer_text(int(j, int64))
+         list = list//" "//integer_text(j)
          if (names%known) list = list//" "//names%name(j)%text
          before = j
       end do

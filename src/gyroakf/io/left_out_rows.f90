@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Rows that are no samples of their own: without a time, or with the stamp and the values of the row above.
+!> Rows that are no samples: without a time, or with the stamp and the values of the row above.
 !>
 !> A row without a time stays where it fills exactly the places that are free between its neighbors;
 !> its stamp is not invented anywhere else. Where neighbors of different stamps are as often alike
@@ -18,7 +18,7 @@ contains
 
    !> Takes rows out that are no samples of their own.
    subroutine leave_rows_out(t, value, audit, dropped, error)
-      !> s, NaN where missing; none missing afterwards; of size 0 where fewer than half of the rows with values have a time
+      !> s; NaN, where missing, is gone afterwards; of size 0 where fewer than half have a time
       real(dp), allocatable, intent(inout) :: t(:)
       !> [row, channel]
       real(dp), allocatable, intent(inout) :: value(:, :)
@@ -29,48 +29,34 @@ contains
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
       logical, allocatable :: keep(:)
+      real(dp), allocatable :: kept(:, :)
       integer(int64) :: i, n, without
-      integer :: failed
+      integer :: j, failed
 
       n = size(t, kind=int64)
       without = count(ieee_is_nan(t), kind=int64)
       allocate (dropped(0))
       if (without == 0 .and. .not. any_repeats(t, value)) return
       allocate (keep(n), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory to leave out rows")
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory to leave out rows")
+      if (allocated(error)) return
       keep(:) = .true.
       if (without > 0) call place_untimed(t, value, keep, audit, error)
       if (allocated(error) .or. size(t) == 0) return
       if (any_repeats(t, value)) call find_repeats(t, value, keep, audit)
       if (all(keep)) return
       dropped = pack([(i, i=1, n)], .not. keep)
-      call keep_rows(keep, t, value, error)
+      allocate (kept(count(keep), size(value, 2)), stat=failed)
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a part of the rows")
+      if (allocated(error)) return
+      do j = 1, size(value, 2)
+         kept(:, j) = pack(value(:, j), keep)
+      end do
+      call move_alloc(kept, value)
+      t = pack(t, keep)
    end subroutine leave_rows_out
 
-   !> Keeps some of the rows.
-   subroutine keep_rows(keep, t, value, error)
-      logical, intent(in) :: keep(:)
-      real(dp), allocatable, intent(inout) :: t(:), value(:, :)
-      type(error_type), allocatable, intent(out) :: error
-      real(dp), allocatable :: shorter(:, :)
-      integer :: j, failed
-
-      allocate (shorter(count(keep), size(value, 2)), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a part of the rows")
-         return
-      end if
-      do j = 1, size(value, 2)
-         shorter(:, j) = pack(value(:, j), keep)
-      end do
-      call move_alloc(shorter, value)
-      t = pack(t, keep)
-   end subroutine keep_rows
-
-   !> Lets rows without a time fill the places between their neighbors, where they are as many; the others are not kept.
+   !> Lets rows without a time fill the places between their neighbors where they are as many.
    subroutine place_untimed(t, value, keep, audit, error)
       real(dp), allocatable, intent(inout) :: t(:)
       real(dp), intent(in), contiguous :: value(:, :)
@@ -151,7 +137,8 @@ contains
          end if
          last = i
       end do
-      if (real(alike(1), dp)*real(max(met(2), 1_int64), dp) <= 10.0_dp*real(met(1), dp)*real(alike(2), dp)) return
+      if (real(alike(1), dp)*real(max(met(2), 1_int64), dp) <= 10.0_dp*real(met(1), &
+         dp)*real(alike(2), dp)) return
       last = 0
       do i = 1, n
          if (.not. keep(i)) cycle
@@ -167,7 +154,6 @@ contains
       end do
    end subroutine find_repeats
 
-   !> True where two rows have the same values, none missing.
    pure logical function same_row(value, i, k)
       real(dp), intent(in), contiguous :: value(:, :)
       integer(int64), intent(in) :: i, k

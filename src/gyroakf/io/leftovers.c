@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What processes left behind that were killed while they wrote a file, and what kind of file a path leads to. In C because the entries
- * of a directory and what the system says of a file have layouts of the system's own.
+ * What processes left behind that were killed while they wrote a file, and what kind of file a path
+ * leads to. In C because directories and the answers of stat have layouts of the system's own.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <dirent.h>
@@ -28,8 +28,10 @@ LOCAL int gyroakf_host_is_special(const char *path);
 static int is_leftover(const char *entry, const char *name, size_t length) {
   const char *digits = entry + length + 5;
   long process;
+  size_t count;
   if (strncmp(entry, name, length) != 0 || strncmp(entry + length, ".part", 5) != 0) return 0;
-  if (*digits == '\0' || strlen(digits) > 10 || digits[strspn(digits, "0123456789")] != '\0') return 0;
+  count = strspn(digits, "0123456789");
+  if (count < 1 || count > 10 || digits[count] != '\0') return 0;
   process = strtol(digits, NULL, 10);
   if (process < 1 || (long)(pid_t)process != process) return 0;
   return kill((pid_t)process, 0) != 0 && errno == ESRCH;
@@ -54,11 +56,12 @@ void gyroakf_host_remove_leftovers(const char *path) {
   closedir(directory);
 }
 
-/* Whether two paths lead to the same regular file, by other names or links; "-" is standard input. */
+/* Whether two paths lead to one regular file, by any names or links; "-" is standard input. */
 int gyroakf_host_same_file(const char *a, const char *b) {
   struct stat first, second;
   const int found = strcmp(a, "-") == 0 ? fstat(0, &first) : stat(a, &first);
-  return found == 0 && S_ISREG(first.st_mode) && stat(b, &second) == 0 && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+  return found == 0 && S_ISREG(first.st_mode) && stat(b, &second) == 0 &&
+         first.st_dev == second.st_dev && first.st_ino == second.st_ino;
 }
 
 /* Whether a path leads to a device, a FIFO or a socket, which must not be replaced by a file. */

@@ -4,12 +4,13 @@ module gyroakf_io_lines
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_number, only : digits_ahead
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_text, only : line_end_from, line_feed_from
    use gyroakf_io_source, only : has_places, open_source, read_block, source_left, source_type
    implicit none (type, external)
    private
-   public :: lines_type, open_lines, more_lines, reserve_bytes, check_length, end_last_line, turn_returns
+   public :: lines_type, open_lines, more_lines, reserve_bytes, check_length, end_last_line, &
+      turn_returns
    public :: next_line, line_map_type, map_row, line_of
 
    !> Bytes of the first block
@@ -18,9 +19,10 @@ module gyroakf_io_lines
    integer(int64), parameter :: longest_line = 16000000
    !> Bytes that are read at once where a file has grown
    integer(int64), parameter :: tail_size = 4096
-   !> Bytes behind those that are filled: a line feed that may be missing, and what the search for digits looks at
+   !> Bytes behind the filled ones: a missing line feed, and what the search for digits looks at
    integer(int64), parameter :: behind = digits_ahead + 1
-   integer(int8), parameter :: line_feed = 10, carriage_return = 13, line_ends(2) = [line_feed, carriage_return]
+   integer(int8), parameter :: line_feed = 10, carriage_return = 13, &
+      line_ends(2) = [line_feed, carriage_return]
 
    !> Lines of a source
    type :: lines_type
@@ -70,10 +72,8 @@ contains
       capacity = block_size
       if (has_places(lines%source)) capacity = min(capacity, lines%source%length + 64)
       allocate (lines%bytes(capacity + behind), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a block of "//path)
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a block of "//path)
+      if (allocated(error)) return
       call fill(lines, error)
       if (allocated(error)) return
       if (lines%filled >= 3) then
@@ -83,13 +83,13 @@ contains
                            .and. .not. any(lines%bytes(:lines%filled - 1) == line_feed)
       call find_last(lines, lines%at)
       allocate (lines%head(lines%last), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for the beginning of "//path)
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for the beginning of "//path)
       if (failed == 0) lines%head(:) = lines%bytes(:lines%last)
    end subroutine open_lines
 
-   !> Makes sure that at least one whole line is at hand; there is none (at > last) at the end of the source only.
+   !> Provides one whole line at least; there is none (at > last) at the end of the source only.
    subroutine more_lines(lines, error)
-      !> An open source
       type(lines_type), intent(inout) :: lines
       !> Allocated where reading fails: io, no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -110,7 +110,6 @@ contains
    subroutine reserve_bytes(lines, wanted, error)
       !> Its `at` is 1 and its `last` 0 afterwards
       type(lines_type), intent(inout) :: lines
-      !> Bytes
       integer(int64), intent(in) :: wanted
       !> Allocated where there is no memory, no_memory, and where a line is too long, parse
       type(error_type), allocatable, intent(out) :: error
@@ -119,21 +118,16 @@ contains
       integer :: failed
 
       rest = lines%filled - lines%at + 1
-      if (rest > longest_line) then
-         call fatal_error(error, status%parse, lines%source%name//":"// &
-                          integer_text(lines%number)//":1: a line of more than "// &
-                          integer_text(longest_line/1000000)//" MB"//new_line("a")// &
-                          "give one row of numbers per sample, or `format` for raw numbers")
-         return
-      end if
+      if (rest > longest_line) call line_error(error, lines%source%name, lines%number, &
+         "a line of more than "//integer_text(longest_line/1000000)//" MB", &
+         "give one row of numbers per sample, or `format` for raw numbers")
+      if (allocated(error)) return
       needed = rest + max(wanted, 1_int64) + behind
       if (needed > size(lines%bytes, kind=int64)) then
          allocate (longer(needed + min(rest, longest_line - rest)), stat=failed)
-         if (failed /= 0) then
-            call fatal_error(error, status%no_memory, lines%source%name//": no memory for a line of more than "// &
-                             integer_text(rest)//" bytes")
-            return
-         end if
+         if (failed /= 0) call fatal_error(error, status%no_memory, lines%source%name// &
+            ": no memory for a line of more than "//integer_text(rest)//" bytes")
+         if (allocated(error)) return
          longer(:rest) = lines%bytes(lines%at:lines%filled)
          call move_alloc(longer, lines%bytes)
       else if (lines%at > 1) then
@@ -144,7 +138,6 @@ contains
       lines%filled = rest
    end subroutine reserve_bytes
 
-   !> Reads behind what is filled.
    subroutine fill(lines, error)
       type(lines_type), intent(inout) :: lines
       type(error_type), allocatable, intent(out) :: error
@@ -160,8 +153,8 @@ contains
       if (lines%ended) call end_last_line(lines, error)
    end subroutine fill
 
-   !> A file that holds less than when it was opened was cut by somebody: an error, but for the first block (what is a file in name
-   !> only may state any length).
+   !> A file that holds less than when it was opened was cut by somebody: an error, but for the
+   !> first block (what is a file in name only may state any length).
    subroutine check_length(lines, expected, got, error)
       !> Its source delivered `got` bytes
       type(lines_type), intent(inout) :: lines
@@ -172,15 +165,16 @@ contains
 
       if (.not. has_places(lines%source) .or. got >= expected) return
       if (lines%source%delivered > got) then
-         call fatal_error(error, status%io, lines%source%name//": the file became shorter while it was read: "// &
-                          integer_text(lines%source%delivered)//" of "//integer_text(lines%source%length)//" bytes are left"// &
-                          new_line("a")//"read it after writing has ended")
+         call fatal_error(error, status%io, lines%source%name// &
+            ": the file became shorter while it was read: "// &
+            integer_text(lines%source%delivered)//" of "//integer_text(lines%source%length)// &
+            " bytes are left"//new_line("a")//"read it after writing has ended")
       end if
       lines%source%length = lines%source%delivered
    end subroutine check_length
 
-   !> Gives the last line of the source a line feed; where the file has grown since it was opened, and had been cut within a line,
-   !> the rest of this line first.
+   !> Gives the last line of the source a line feed; where the file has grown since it was opened,
+   !> and had been cut within a line, the rest of this line first.
    subroutine end_last_line(lines, error)
       !> All its bytes were read
       type(lines_type), intent(inout) :: lines
@@ -211,7 +205,6 @@ contains
 
    !> Carriage returns become line feeds.
    pure subroutine turn_returns(bytes)
-      !> Of a file without line feeds
       integer(int8), intent(inout), contiguous :: bytes(:)
 
       where (bytes == carriage_return) bytes = line_feed
@@ -223,7 +216,8 @@ contains
       integer(int64), intent(in) :: from
 
       if (lines%only_returns) call turn_returns(lines%bytes(from:lines%filled))
-      lines%last = findloc(lines%bytes(from:lines%filled), line_feed, dim=1, back=.true., kind=int64)
+      lines%last = findloc(lines%bytes(from:lines%filled), line_feed, dim=1, back=.true., &
+         kind=int64)
       if (lines%last > 0) lines%last = lines%last + from - 1
       lines%bytes(lines%filled + 1:lines%filled + digits_ahead) = line_feed
    end subroutine find_last
@@ -260,9 +254,7 @@ contains
 
    !> The line that a row stood in.
    pure integer(int64) function line_of(map, row)
-      !> Of the file
       type(line_map_type), intent(in) :: map
-      !> From 1
       integer(int64), intent(in) :: row
       integer :: before
 

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> What losses among regular stamps look like: lost samples, or the beat of the samples with a coarse clock.
+!> The pattern of losses among regular stamps: lost samples, or the beat with a coarse clock.
 module gyroakf_io_loss_pattern
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
@@ -21,8 +21,9 @@ module gyroakf_io_loss_pattern
 
 contains
 
-   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse clock: those at exactly even
-   !> distances below 50 samples are losses, others are not, unless the given rate is nearer to that of the other explanation.
+   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse
+   !> clock: those at exactly even distances below 50 samples are losses, others are not, unless the
+   !> given rate is nearer to that of the other explanation.
    subroutine explain_losses(t, cadence, given, gaps, audit)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
@@ -56,7 +57,7 @@ contains
       gaps%count = 0
    end subroutine explain_losses
 
-   !> What the losses look like; always losses where the clock counts in less than half of the interval, and no beat is possible.
+   !> What the losses look like; lost samples where no beat is possible, with a fine clock.
    pure subroutine loss_pattern(gaps, cadence, n, found, distance)
       type(gap_type), intent(in) :: gaps
       type(cadence_type), intent(in) :: cadence
@@ -103,8 +104,8 @@ contains
          found = periodic
       else if (10*alike >= 9*m .and. all(gaps%length(:gaps%count) == 1)) then
          found = beating
-      else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, distance/10)) >= m .and. &
-               distance >= longest_period) then
+      else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, &
+         distance/10)) >= m .and. distance >= longest_period) then
          found = comb
       end if
    end subroutine loss_pattern

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> Lost samples: where the lag, elapsed time / step - count, rises and does not fall back.
 !>
-!> The lag is followed from stamp to stamp where they are regular, and from block to block by the mean stamps where they are not
-!> ([[gyroakf_io_lag_levels]]). Every rise above a threshold begins a gap, where the stamps fit a step of the lag best; where they
-!> come sooner than the grid lets them, as after a late one, the last gap is given back.
+!> The lag is followed from stamp to stamp where they are regular, and from block to block by the
+!> mean stamps where they are not ([[gyroakf_io_lag_levels]]). Every rise above a threshold begins a
+!> gap, where the stamps fit a step of the lag best; where they come sooner than the grid lets them,
+!> as after a late one, the last gap is given back.
 module gyroakf_io_losses
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
@@ -28,14 +29,14 @@ module gyroakf_io_losses
 
    !> How the phase follows the stamps, and the longest gap over which it is kept, intervals
    real(dp), parameter :: phase_gain = 1.0_dp/32.0_dp, longest_kept = 50.0_dp
-   !> A rise has to last so many samples, or four times as many as are lost; what is late for less is not lost
+   !> A rise has to last so many samples, or four times the samples lost; else it is only late
    integer(int64), parameter :: lasting = 2048
-   !> A rise that shows in blocks is looked for so many samples back, no nearer to an end than `edge`; its longest step is near
+   !> A rise in blocks is looked for so far back, not near an end; its longest step is near
    integer(int64), parameter :: farthest = 160, edge = 4, near = 2
 
 contains
 
-   !> Finds the losses; again with the interval that follows from them, where jitter or bursts let it be a little wrong.
+   !> Finds the losses; again with the interval that follows from them, until it is right.
    subroutine find_losses(t, cadence, regular, gaps)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
@@ -87,7 +88,7 @@ contains
       !> Stamps, s; means of blocks of so many, or the stamps themselves
       real(dp), intent(in), contiguous :: t(:), level(:)
       integer, intent(in) :: rows
-      !> s from sample to sample; least rise at a loss, from 0.5, and longest step of most blocks, samples
+      !> s from sample to sample; least rise at a loss, and longest step of most blocks, samples
       real(dp), intent(in) :: interval, rise, usual
       type(gap_type), intent(inout) :: gaps
       integer(int64) :: b, i, lost, early, early_at, known
@@ -107,9 +108,10 @@ contains
          i = b*rows
          lost = nint(min(x, 1.0e15_dp), int64)
          if (rows > 1) then
-            if (x > 0.0_dp) call place_rise(t, max(known, i - max(2_int64*rows, farthest)), min(i + rows, size(t, kind=int64)), &
-                                            rate, usual, i, lost)
-            if (b < size(level)) lost = min(lost, nint(min(x + (level(b + 1) - level(b))*rate - rows, 1.0e15_dp), int64))
+            if (x > 0.0_dp) call place_rise(t, max(known, i - max(2_int64*rows, farthest)), &
+               min(i + rows, size(t, kind=int64)), rate, usual, i, lost)
+            if (b < size(level)) lost = min(lost, nint(min(x + (level(b + 1) - level(b))*rate - &
+               rows, 1.0e15_dp), int64))
             if (x > 0.0_dp .and. lost < rise) then
                phase = (1.0_dp - phase_gain)*x
                cycle
@@ -131,7 +133,7 @@ contains
       end do
    end subroutine find_gaps
 
-   !> Where the lag rises in a stretch, and by how much: where the squares that a step from one level to another leaves are least.
+   !> Where and by how much the lag rises in a stretch: the step of least squares.
    pure subroutine place_rise(t, first, last, rate, usual, before, lost)
       real(dp), intent(in), contiguous :: t(:)
       !> The sample before the stretch, and its last one
@@ -158,7 +160,8 @@ contains
          before = i + 1
       end do
       i = max(before - near, first + 2)
-      before = i - 1 + maxloc(t(i:min(before + near, last)) - t(i - 1:min(before + near, last) - 1), dim=1, kind=int64)
+      before = i - 1 + maxloc(t(i:min(before + near, last)) - &
+         t(i - 1:min(before + near, last) - 1), dim=1, kind=int64)
       lost = nint(min(height, 1.0e15_dp), int64)
       step = (t(before) - t(before - 1))*rate
       height = min(real(lost, dp), step)

@@ -8,15 +8,16 @@ module gyroakf_io_machine_memory
 
    !> Bytes; a limit from here on is none
    real(dp), parameter :: no_limit = 1.0e18_dp
-   !> Of a file; gfortran's run-time library gives empty lines for ever where a file cannot be read any more
+   !> Of a file; gfortran's library reads empty lines for ever where a file turns unreadable
    integer, parameter :: most_lines = 1000
 
 contains
 
-   !> Bytes that can be had without taking them from another process: the least of what the machine has available and
-   !> of the limits of the container, of its control groups and of the shell; 0 where none is known (not on Linux).
+   !> Bytes that can be had without taking them from another process: the least of what the machine
+   !> has available and of the limits of the container, of its control groups and of the shell; 0
+   !> where none is known (not on Linux).
    !>
-   !> Limits are taken whole: what other processes of the container use is not subtracted, for much of it is cache that gives way.
+   !> Limits are taken whole: much of what other processes use is cache that gives way.
    integer(int64) function free_memory() result(bytes)
       real(dp) :: least
 
@@ -76,12 +77,13 @@ contains
    real(dp) function group_limit() result(bytes)
       character(*), parameter :: mine = "/proc/self/cgroup", root = "/sys/fs/cgroup"
 
-      bytes = min(least_limit(root, "/", "memory.max"), least_limit(root//"/memory", "/", "memory.limit_in_bytes"), &
-                  least_limit(root, trim(text_behind(mine, "0::")), "memory.max"), &
-                  least_limit(root//"/memory", trim(text_behind(mine, ":memory:")), "memory.limit_in_bytes"))
+      bytes = min(least_limit(root, "/", "memory.max"), least_limit(root//"/memory", "/", &
+         "memory.limit_in_bytes"), least_limit(root, trim(text_behind(mine, "0::")), &
+         "memory.max"), least_limit(root//"/memory", trim(text_behind(mine, ":memory:")), &
+         "memory.limit_in_bytes"))
    end function group_limit
 
-   !> The least number that the files of a name hold in a directory below a root and in those above it; no limit where none does.
+   !> The least number in the files of a name in a directory and those above it, up to a root.
    real(dp) function least_limit(root, directory, name) result(bytes)
       !> Not ending with a slash
       character(*), intent(in) :: root

@@ -1,19 +1,25 @@
 ! SPDX-License-Identifier: MIT
 !> The header of NumPy's array files.
 !>
-!> A file is: six bytes of magic, two of version, the length of the header (2 bytes in version 1, 4 in 2 and 3, little
-!> endian), the header, the numbers. The header is a Python dictionary
-!> `{'descr': '<f8', 'fortran_order': False, 'shape': (1000, 3), }`, padded with blanks and ended by a line feed so that the
-!> numbers begin at a multiple of 64 bytes (the documentation of `numpy.lib.format`).
+!> A file is (see `numpy.lib.format`): six bytes of magic, two of version, the length of the header
+!> (2 bytes in version 1, 4 in 2 and 3, little endian), the header, the numbers. The header is a
+!> dictionary of Python, `{'descr': '<f8', 'fortran_order': False, 'shape': (1000, 3), }`, filled up
+!> so that the numbers begin at a multiple of 64 bytes. Of a structured array `descr` lists the
+!> fields, `[('t', '<f8'), ('gx', '<f4'), ('', '|V4')]`, the last one padding.
 module gyroakf_io_npy
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_element, only : element_type, host_big_endian
+   use gyroakf_io_columns, only : column_names_type, take_name
+   use gyroakf_io_element, only : element_type, field_type, host_big_endian
+   use gyroakf_io_npy_cursor, only : ahead, cursor_type, expect, read_string, refuse, unsuitable
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, text_bytes
+   use gyroakf_record, only : add_text
+   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: npy_magic, npy_alignment, make_npy_header, spell_shape, npy_header_type, read_npy_header
+   public :: npy_magic, npy_alignment, make_npy_header, spell_shape, npy_header_type, &
+      read_npy_header
 
    !> The first six bytes
    character(6), parameter :: npy_magic = char(147)//"NUMPY"
@@ -26,6 +32,9 @@ module gyroakf_io_npy
    type :: npy_header_type
       !> How the numbers are stored
       type(element_type) :: element
+      !> Of a structured array: its fields and their names
+      type(field_type), allocatable :: field(:)
+      type(column_names_type) :: names
       !> Columns are stored one after the other
       logical :: by_columns = .false.
       !> 1 or 2, and the lengths
@@ -35,20 +44,9 @@ module gyroakf_io_npy
       integer(int64) :: first = 0
    end type npy_header_type
 
-   !> A header that is being read
-   type :: cursor_type
-      character(:), allocatable :: text
-      integer :: at = 1
-      !> Bytes before the text, and the file's name: for messages
-      integer(int64) :: before = 0
-      character(:), allocatable :: name
-      !> What is wrong first; what follows is not looked at
-      type(error_type), allocatable :: error
-   end type cursor_type
-
 contains
 
-   !> Magic, version 1.0 and header of an array of doubles, as many bytes as come before the numbers.
+   !> Magic, version 1.0 and header of an array of doubles: all bytes before the numbers.
    pure subroutine make_npy_header(rows, columns, by_columns, header)
       !> Its shape
       integer(int64), intent(in) :: rows
@@ -64,8 +62,7 @@ contains
       call spell_shape(rows, columns, shape)
       text = "{'descr': '"//merge(">", "<", host_big_endian())//"f8', 'fortran_order': "// &
              trim(merge("True ", "False", by_columns))//", 'shape': "//shape//", }"
-      length = len(text) + 1
-      length = length + modulo(-(length + len(npy_magic) + 4), npy_alignment)
+      length = len(text) + 1 + modulo(-(len(text) + len(npy_magic) + 5), npy_alignment)
       text = text//repeat(" ", length - len(text) - 1)//achar(10)
       header = npy_magic//achar(1)//achar(0)//achar(modulo(length, 256))//achar(length/256)//text
    end subroutine make_npy_header
@@ -89,7 +86,7 @@ contains
       character(*), intent(in) :: name
       !> What it says
       type(npy_header_type), intent(out) :: header
-      !> Allocated on failure: parse, not_supported (a type that holds no plain numbers, more than two dimensions)
+      !> parse; not_supported: a type that holds no plain numbers, more than two dimensions
       type(error_type), allocatable, intent(out) :: error
       type(cursor_type) :: cursor
       integer(int64) :: length, start, count
@@ -98,31 +95,32 @@ contains
       cursor%name = name
       count = size(bytes, kind=int64)
       start = 10
-      header%first = start
+      length = 0
       if (count >= start) then
          version = iand(int(bytes(7)), 255)
          if (version < 1 .or. version > 3 .or. bytes(8) /= 0) then
-            call fatal_error(error, status%not_supported, name//": byte 6: version "//integer_text(int(version, int64))//"."// &
-                             integer_text(iand(int(bytes(8), int64), 255_int64))//" of NumPy's format is not known; known are "// &
-                             "1.0, 2.0, 3.0"//new_line("a")//"save it again with numpy.save")
+            call fatal_error(error, status%not_supported, name//": byte 6: version "// &
+               integer_text(int(version, int64))//"."//integer_text(iand(int(bytes(8), int64), &
+               255_int64))//" of NumPy's format is not known; known are 1.0, 2.0, 3.0"// &
+               new_line("a")//"save it again with numpy.save")
             return
          end if
          start = merge(10, 12, version == 1)
-         length = 0
          do i = merge(int(start), 0, count >= start), 9, -1
             length = 256*length + iand(int(bytes(i)), 255)
          end do
          if (length > most_header) then
-            call fatal_error(error, status%parse, name//": byte 8: the header's length "//integer_text(length)// &
-                             " is not that of a plain array"//new_line("a")// &
-                             "save the columns with numpy.save as an array of numbers")
+            call fatal_error(error, status%parse, name//": byte 8: the header's length "// &
+               integer_text(length)//" is not that of a plain array"//new_line("a")// &
+               "save the columns with numpy.save as an array of numbers")
             return
          end if
-         header%first = start + length
       end if
+      header%first = start + length
       if (header%first > count) then
          call fatal_error(error, status%parse, name//": byte "//integer_text(count)// &
-                          ": the file ends within the header of NumPy's format"//new_line("a")//"it was cut off: copy it again")
+            ": the file ends within the header of NumPy's format"//new_line("a")// &
+            "it was cut off: copy it again")
          return
       end if
       cursor%text = bytes_text(bytes, start + 1, header%first)
@@ -145,11 +143,10 @@ contains
          call read_string(cursor, key)
          call expect(cursor, ":")
          this = [character(13) :: "descr", "fortran_order", "shape"] == key
-         if (.not. any(this)) call refuse(cursor, "'"// &
-            shown_bytes(text_bytes(key), 1_int64, min(40_int64, len(key, int64)))// &
-                                           "' is none of descr, fortran_order, shape")
+         if (.not. any(this)) call refuse(cursor, "'"//shown_bytes(text_bytes(key), 1_int64, &
+            min(40_int64, len(key, int64)))//"' is none of descr, fortran_order, shape")
          if (any(this .and. seen)) call refuse(cursor, "a key stands twice")
-         if (this(1)) call read_descr(cursor, header%element)
+         if (this(1)) call read_descr(cursor, header)
          if (this(2)) call read_order(cursor, header%by_columns)
          if (this(3)) call read_shape(cursor, header)
          seen = seen .or. this
@@ -159,45 +156,10 @@ contains
       call expect(cursor, "}")
       if (.not. all(seen)) call refuse(cursor, "descr, fortran_order or shape is not there")
       if (ahead(cursor) /= "") call refuse(cursor, "more follows")
+      if (allocated(header%field) .and. header%rank > 1) call unsuitable(cursor, &
+         "the array's type is structured, and it has 2 dimensions", &
+         "save one row for each sample: array.ravel()")
    end subroutine read_dictionary
-
-   !> The next character that is not blank, "" at the end.
-   function ahead(cursor) result(next)
-      type(cursor_type), intent(inout) :: cursor
-      character(1) :: next
-
-      next = ""
-      do while (cursor%at <= len(cursor%text))
-         next = cursor%text(cursor%at:cursor%at)
-         if (verify(next, " "//achar(9)//achar(10)//achar(13)) > 0) return
-         cursor%at = cursor%at + 1
-         next = ""
-      end do
-   end function ahead
-
-   !> Moves behind a sign that has to come.
-   subroutine expect(cursor, sign)
-      type(cursor_type), intent(inout) :: cursor
-      character(1), intent(in) :: sign
-
-      if (ahead(cursor) /= sign) call refuse(cursor, "'"//sign//"' is expected")
-      cursor%at = cursor%at + 1
-   end subroutine expect
-
-   !> A text in single or double quotes.
-   subroutine read_string(cursor, text)
-      type(cursor_type), intent(inout) :: cursor
-      character(:), allocatable, intent(out) :: text
-      character(1) :: mark
-      integer :: last
-
-      mark = ahead(cursor)
-      last = 0
-      if (mark == "'" .or. mark == '"') last = index(cursor%text(cursor%at + 1:), mark)
-      if (last == 0) call refuse(cursor, "a text in quotes is expected")
-      text = cursor%text(cursor%at + 1:cursor%at + last - 1)
-      cursor%at = cursor%at + last + 1
-   end subroutine read_string
 
    !> True or False.
    subroutine read_order(cursor, by_columns)
@@ -216,9 +178,8 @@ contains
       type(cursor_type), intent(inout) :: cursor
       type(npy_header_type), intent(inout) :: header
       integer(int64) :: length, longest
-      integer :: digits, i, axis
+      integer :: digits, axis
 
-      header%rank = 0
       longest = -1
       axis = 0
       call expect(cursor, "(")
@@ -229,10 +190,7 @@ contains
             call refuse(cursor, "a length of the shape is expected")
             return
          end if
-         length = 0
-         do i = cursor%at, cursor%at + digits - 1
-            length = 10*length + iachar(cursor%text(i:i)) - 48
-         end do
+         read (cursor%text(cursor%at:cursor%at + digits - 1), *) length
          header%rank = header%rank + 1
          if (header%rank <= 2) header%shape(header%rank) = length
          if (length > longest) axis = header%rank - 1
@@ -243,77 +201,120 @@ contains
          cursor%at = cursor%at + 1
       end do
       call expect(cursor, ")")
-      if (header%rank == 0) call unsuitable(cursor, "the array is a single number, shape ()", "save the whole series")
-      if (header%rank > 2) call unsuitable(cursor, "the array has "//integer_text(int(header%rank, int64))//" dimensions", &
-         "one row for each sample, where the longest axis is the time: python3 -c ""import numpy; numpy.save('rows.npy', "// &
-         "numpy.moveaxis(numpy.load('"//cursor%name//"'), "//integer_text(int(axis, int64))//", 0).reshape("// &
-         integer_text(longest)//", -1))""")
+      if (header%rank == 0) call unsuitable(cursor, "the array is a single number, shape ()", &
+         "save the whole series")
+      if (header%rank > 2) call unsuitable(cursor, "the array has "// &
+         integer_text(int(header%rank, int64))//" dimensions", "one row for each sample, where "// &
+         "the longest axis is the time: python3 -c ""import numpy; numpy.save('rows.npy', "// &
+         "numpy.moveaxis(numpy.load('"//cursor%name//"'), "//integer_text(int(axis, int64))// &
+         ", 0).reshape("//integer_text(longest)//", -1))""")
    end subroutine read_shape
 
-   !> '<f8': order, kind, bytes; a list is a structured type.
-   subroutine read_descr(cursor, element)
+   !> The type of every number, '<f8', or the fields of a structured one.
+   subroutine read_descr(cursor, header)
       type(cursor_type), intent(inout) :: cursor
-      type(element_type), intent(out) :: element
+      type(npy_header_type), intent(inout) :: header
       character(:), allocatable :: descr, what, advice
+      logical :: known
 
       if (ahead(cursor) == "[") then
-         call unsuitable(cursor, "the array's type is structured", "a table with a column for each field: python3 -c "// &
-            """import numpy; a = numpy.load('"//cursor%name//"'); n = a.dtype.names; numpy.savetxt('rows.csv', "// &
-            "numpy.column_stack([a[i] for i in n]), delimiter=',', header=','.join(n), comments='')""")
+         call read_fields(cursor, header)
          return
       end if
       call read_string(cursor, descr)
-      descr = descr//" "
-      element%big_endian = host_big_endian()
-      if (descr(1:1) == "<") element%big_endian = .false.
-      if (descr(1:1) == ">") element%big_endian = .true.
-      if (scan(descr(1:1), "<>=|") > 0) descr = descr(2:)
-      descr = trim(descr)
-      select case (descr)
-      case ("f2", "f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1")
-         element%kind = descr(1:1)
-         element%bytes = iachar(descr(2:2)) - 48
-      case ("?", "b", "B")
-         element%kind = merge("i", merge("u", "b", descr == "B"), descr == "b")
-         element%bytes = 1
-      case default
-         advice = "save numbers: python3 -c ""import numpy; numpy.save('numbers.npy', numpy.stack(numpy.load('"// &
-                  cursor%name//"', allow_pickle=True)).astype('f8'))"""
-         select case (descr(:min(1, len(descr))))
-         case ("f", "g"); what = " is a long double, which differs from machine to machine"
-         case ("c"); what = " is complex"
-            advice = "save array.real and array.imag as columns"
-         case ("O"); what = " is object: Python objects, no plain numbers"
-         case ("S", "U", "a"); what = " is text"
-         case ("V"); what = " is structured or raw"
-         case ("M", "m"); what = " is a date or a time"
-            advice = "save seconds: (array - array[0])/numpy.timedelta64(1, 's')"
-         case default; what = " is not known"
-         end select
-         if (descr(:min(1, len(descr))) /= "O") what = " '"// &
-            shown_bytes(text_bytes(descr), 1_int64, min(40_int64, len(descr, int64)))//"'"//what
-         call unsuitable(cursor, "the array's type"//what, advice)
+      call parse_type(descr, header%element, known)
+      if (known) return
+      if (scan(descr, "<>=|") == 1) descr = descr(2:)
+      advice = "save numbers: python3 -c ""import numpy; numpy.save('numbers.npy', "// &
+         "numpy.stack(numpy.load('"//cursor%name//"', allow_pickle=True)).astype('f8'))"""
+      select case (descr(:min(1, len(descr))))
+      case ("f", "g"); what = " is a long double, which differs from machine to machine"
+      case ("c"); what = " is complex"
+         advice = "save array.real and array.imag as columns"
+      case ("O"); what = " is object: Python objects, no plain numbers"
+      case ("S", "U", "a"); what = " is text"
+      case ("V"); what = " is raw"
+      case ("M", "m"); what = " is a date or a time"
+         advice = "save seconds: (array - array[0])/numpy.timedelta64(1, 's')"
+      case default; what = " is not known"
       end select
+      if (index(descr, "O") /= 1) what = " '"// &
+         shown_bytes(text_bytes(descr), 1_int64, min(40_int64, len(descr, int64)))//"'"//what
+      call unsuitable(cursor, "the array's type"//what, advice)
    end subroutine read_descr
 
-   !> A header that cannot be understood, with the byte.
-   subroutine refuse(cursor, what)
+   !> [('t', '<f8'), ('', '|V4')]: names and types; without a name it is padding.
+   subroutine read_fields(cursor, header)
       type(cursor_type), intent(inout) :: cursor
-      character(*), intent(in) :: what
+      type(npy_header_type), intent(inout) :: header
+      character(:), allocatable :: name, descr, word, unit
+      type(field_type) :: field
+      logical :: known
+      integer :: bytes
 
       if (allocated(cursor%error)) return
-      call fatal_error(cursor%error, status%parse, cursor%name//": byte "//integer_text(cursor%before + cursor%at - 1)// &
-                       ": in the header of NumPy's format "//what//new_line("a")//"save it again with numpy.save")
-   end subroutine refuse
+      header%element = element_type(kind="V", bytes=0, big_endian=host_big_endian())
+      allocate (header%field(0))
+      header%names%known = .true.
+      do while (.not. allocated(cursor%error))
+         cursor%at = cursor%at + 1
+         if (ahead(cursor) == "]") exit
+         call expect(cursor, "(")
+         name = ""
+         descr = ""
+         known = ahead(cursor) /= "("                                ! else a title and a name
+         if (known) call read_string(cursor, name)
+         if (known) call make_readable(name)
+         if (known) call expect(cursor, ",")
+         if (known) known = ahead(cursor) /= "["
+         if (known) call read_string(cursor, descr)
+         if (known) known = ahead(cursor) == ")"
+         bytes = 0
+         if (known .and. name == "" .and. index(descr, "|V") == 1) then
+            known = len(descr) < 8 .and. verify(descr(3:)//"x", "0123456789") == len(descr) - 1
+            if (known) read (descr(3:), *) bytes
+         else if (known) then
+            call parse_type(descr, field%element_type, known)
+            field%offset = header%element%bytes
+            bytes = field%bytes
+            header%field = [header%field, field]
+            call take_name(name, word, unit)
+            call add_text(header%names%name, word)
+            call add_text(header%names%unit, unit)
+         end if
+         if (.not. known) call unsuitable(cursor, &
+            "the array's type is structured, and not all of its fields are numbers", &
+            "save a table of numbers: python3 -c ""import numpy; a = numpy.load('"//cursor%name// &
+            "'); numpy.save('rows.npy', a[['NAME', 'NAME']])"" with the names of its numbers")
+         header%element%bytes = header%element%bytes + bytes
+         call expect(cursor, ")")
+         if (ahead(cursor) /= ",") exit
+      end do
+      call expect(cursor, "]")
+      if (size(header%field) == 0) call refuse(cursor, "a structured type without fields is given")
+   end subroutine read_fields
 
-   !> An array that is no table of numbers.
-   subroutine unsuitable(cursor, what, advice)
-      type(cursor_type), intent(inout) :: cursor
-      character(*), intent(in) :: what, advice
+   !> '<f8': order, kind, bytes.
+   pure subroutine parse_type(word, element, known)
+      character(*), intent(in) :: word
+      type(element_type), intent(out) :: element
+      logical, intent(out) :: known
+      integer :: first
 
-      if (allocated(cursor%error)) return
-      call fatal_error(cursor%error, status%not_supported, cursor%name//": "//what// &
-         new_line("a")//advice)
-   end subroutine unsuitable
+      first = merge(2, 1, scan(word, "<>=|") == 1)
+      element%big_endian = host_big_endian()
+      if (first == 2) element%big_endian = word(1:1) == ">" .or. &
+         (element%big_endian .and. word(1:1) /= "<")
+      known = .true.
+      select case (word(first:))
+      case ("f2", "f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1")
+         element%kind = word(first:first)
+         element%bytes = iachar(word(first + 1:first + 1)) - 48
+      case ("?", "b", "B")
+         element%kind = merge("i", merge("u", "b", word(first:) == "B"), word(first:) == "b")
+         element%bytes = 1
+      case default; known = .false.
+      end select
+   end subroutine parse_type
 
 end module gyroakf_io_npy

@@ -1,25 +1,27 @@
 ! SPDX-License-Identifier: MIT
-!> Decimal numbers in text, read correctly rounded (to nearest, ties to even), always, and whatever the locale is.
+!> Decimal numbers in text, correctly rounded (to nearest, ties to even) whatever the locale is.
 !>
 !> A number m * 10^q takes the first of three paths that is sure of its result:
 !>
 !> 1. m <= 2^53 and |q| <= 22: one multiplication or division of two exact numbers
 !>    (W. D. Clinger, How to read floating point numbers accurately, 1990);
-!> 2. m times the first 63 bits of 10^q, a lower bound; where the upper bound rounds to the same number, that is the number
-!>    ([[gyroakf_io_quick_number]]);
-!> 3. the C library's `strtod_l` with the C locale: unusual forms, ties, subnormals, very many digits ([[scan_any]]).
+!> 2. m times the first 63 bits of 10^q, a lower bound; where the upper bound rounds to the same
+!>    number, that is the number ([[gyroakf_io_quick_number]]);
+!> 3. the C library's `strtod_l` with the C locale: unusual forms, ties, subnormals, very many
+!>    digits ([[scan_any]]).
 module gyroakf_io_number
    use, intrinsic :: iso_c_binding, only : c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
-   use, intrinsic :: ieee_exceptions, only : ieee_flag_type, ieee_get_flag, ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
-      ieee_set_halting_mode, ieee_underflow
+   use, intrinsic :: ieee_exceptions, only : ieee_flag_type, ieee_get_flag, ieee_get_halting_mode, &
+      ieee_overflow, ieee_set_flag, ieee_set_halting_mode, ieee_underflow
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_quick_number, only : digits_ahead, quick_number, quick_type
    use gyroakf_io_text, only : bytes_text, text_bytes
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
-   public :: scan_number, scan_any, parse_number, is_missing_word, is_missing_field, number, digits_ahead
+   public :: scan_number, scan_any, parse_number, is_missing_word, is_missing_field, number, &
+      digits_ahead
 
    !> What scanning found, reached as `number%ok`
    type :: number_enum
@@ -62,11 +64,11 @@ module gyroakf_io_number
 
 contains
 
-   !> The number that begins at a byte: `[+-] digits [. digits] [e|E|d|D [+-] digits]`, one digit at least.
+   !> The number at a byte: `[+-] digits [. digits] [e|E|d|D [+-] digits]`, one digit at least.
    !>
    !> Whether what follows may follow is the caller's business. Thread-safe.
    pure subroutine scan_number(bytes, at, value, found)
-      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of them no digit
+      !> The text and `digits_ahead` more bytes, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of the number; afterwards the byte after it, unchanged where there is no number
       integer(int64), intent(inout) :: at
@@ -138,7 +140,6 @@ contains
       is_sign = byte == iachar("+") .or. byte == iachar("-")
    end function is_sign
 
-   !> The byte after the digits that begin at a byte.
    pure integer(int64) function digits_end(bytes, first) result(next)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first
@@ -149,7 +150,7 @@ contains
       end do
    end function digits_end
 
-   !> The number that bytes are, infinite on overflow; a host that traps overflow or underflow is not disturbed.
+   !> The number that bytes are, infinite on overflow; a host that traps overflow is not disturbed.
    pure subroutine library_value(bytes, value)
       integer(int8), intent(in) :: bytes(:)
       real(dp), intent(out) :: value
@@ -195,7 +196,7 @@ contains
       value = 0.0_dp
    end subroutine parse_number
 
-   !> True for the words that stand for a missing number: nan, NA, n/a, null, none, inf, infinity; any case, a sign allowed.
+   !> True for the words that stand for a missing number, in any case; a sign is allowed.
    pure logical function is_missing_word(word)
       !> Without blanks around it
       character(*), intent(in) :: word
@@ -211,7 +212,6 @@ contains
 
    !> True for bytes that are such a word.
    pure logical function is_missing_field(bytes, first, last)
-      !> Holds it at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 

@@ -26,11 +26,8 @@ contains
       character(*), intent(in) :: path
       !> What is wanted; `skip` counts bytes
       type(reader_options), intent(in) :: options
-      !> Numbers of a row
       integer(int64), intent(in) :: channels
-      !> How they are stored
       type(element_type), intent(in) :: element
-      !> Reads the source
       type(binary_type), intent(out) :: binary
       !> All but the rows
       type(table_type), intent(out) :: table
@@ -49,19 +46,16 @@ contains
       if (scan(element%kind, "iu") > 0) table%integer_bits = 8*element%bytes
       if (source%length > 0) then
          rest = source%length - options%skip
-         if (rest <= 0) then
-            call fatal_error(error, status%parse, source%name//": `skip` leaves nothing: the file has "// &
-                             integer_text(source%length)//" bytes")
-            return
-         end if
+         if (rest <= 0) call fatal_error(error, status%parse, source%name// &
+            ": `skip` leaves nothing: the file has "//integer_text(source%length)//" bytes")
+         if (allocated(error)) return
          binary%rows = rest/row_bytes
          rest = rest - binary%rows*row_bytes
-         if (rest > 0) then
-            call refuse_rest(binary, source%name, binary%rows, rest, error)
-            return
-         end if
+         if (rest > 0) call refuse_rest(binary, source%name, binary%rows, rest, error)
+         if (allocated(error)) return
       end if
-      if (source%length > 0 .and. .not. associated(source%bytes)) binary%descriptor = source%descriptor
+      if (source%length > 0 .and. .not. associated(source%bytes)) binary%descriptor = &
+         source%descriptor
       if (binary%descriptor < 0) call skip_bytes(binary, source, options%skip, error)
    end subroutine begin_raw
 
@@ -69,9 +63,7 @@ contains
    subroutine begin_npy(lines, options, binary, table, error)
       !> Open, its first block read
       type(lines_type), intent(in) :: lines
-      !> What is wanted
       type(reader_options), intent(in) :: options
-      !> Reads their source
       type(binary_type), intent(out) :: binary
       !> All but the rows
       type(table_type), intent(out) :: table
@@ -90,7 +82,7 @@ contains
       binary%first = header%first
       binary%rows = header%shape(1)
       binary%columns = header%shape(2)
-      turned = binary%rows >= 1 .and. binary%rows < binary%columns          ! the longer side is the time
+      turned = binary%rows >= 1 .and. binary%rows < binary%columns  ! the longer side is the time
       if (turned) then
          binary%rows = header%shape(2)
          binary%columns = header%shape(1)
@@ -101,22 +93,28 @@ contains
       call spell_shape(header%shape(1), merge(header%shape(2), 0_int64, header%rank > 1), shape)
       call check_size(lines%source, header, shape, error)
       if (allocated(error)) return
-      call begin_numbers(lines%source%name, binary%columns, options, table, error)
+      if (allocated(header%field)) then
+         call move_alloc(header%field, binary%field)
+         call begin_numbers(lines%source%name, size(binary%field, kind=int64), options, table, &
+            error, header%names)
+      else
+         call begin_numbers(lines%source%name, binary%columns, options, table, error)
+      end if
       if (allocated(error)) return
       if (scan(header%element%kind, "iu") > 0) table%integer_bits = 8*header%element%bytes
-      if (turned) call add_text(table%warnings, "the array's shape is "//shape//": the longer side is taken for the time, its "// &
-                                integer_text(binary%columns)//" rows for the channels; save array.T to have it beyond doubt")
-      if (lines%source%length > 0 .and. .not. associated(lines%source%bytes)) binary%descriptor = lines%source%descriptor
+      if (turned) call add_text(table%warnings, "the array's shape is "//shape// &
+         ": the longer side is taken for the time, its "//integer_text(binary%columns)// &
+         " rows for the channels; save array.T to have it beyond doubt")
+      if (lines%source%length > 0 .and. .not. associated(lines%source%bytes)) binary%descriptor = &
+         lines%source%descriptor
       if (binary%descriptor >= 0) return
-      if (lines%bytes(header%first) /= 10_int8) then
-         call fatal_error(error, status%parse, table%name//": byte "//integer_text(header%first - 1)// &
-                          ": the header does not end with a line feed"//new_line("a")//"save it again with numpy.save")
-         return
-      end if
+      if (lines%bytes(header%first) /= 10_int8) call fatal_error(error, status%parse, table%name// &
+         ": byte "//integer_text(header%first - 1)//": the header does not end with a line feed"// &
+         new_line("a")//"save it again with numpy.save")
+      if (allocated(error)) return
       binary%head = lines%bytes(header%first + 1:count)
    end subroutine begin_npy
 
-   !> The file is as long as its header says.
    subroutine check_size(source, header, shape, error)
       type(source_type), intent(in) :: source
       type(npy_header_type), intent(in) :: header
@@ -125,25 +123,27 @@ contains
       integer(int64) :: bytes
       character(:), allocatable :: promise
 
-      if (any(header%shape < 1)) then
-         call fatal_error(error, status%too_few_samples, source%name//": the array is empty, shape "//shape)
-         return
-      end if
+      if (any(header%shape < 1)) call fatal_error(error, status%too_few_samples, source%name// &
+         ": the array is empty, shape "//shape)
+      if (allocated(error)) return
       promise = "the header's shape "//shape//" of "//trim(element_name(header%element))
-      if (header%shape(1) > (huge(1_int64) - header%first)/header%shape(2)/header%element%bytes) then
-         call fatal_error(error, status%parse, source%name//": "//promise//" is larger than any file"//new_line("a")// &
-                          "save it again with numpy.save")
+      if (header%shape(1) > &
+          (huge(1_int64) - header%first)/header%shape(2)/header%element%bytes) then
+         call fatal_error(error, status%parse, source%name//": "//promise// &
+            " is larger than any file"//new_line("a")//"save it again with numpy.save")
          return
       end if
       if (source%length <= 0) return
       bytes = header%first + header%shape(1)*header%shape(2)*header%element%bytes
       if (source%length < bytes) then
-         call fatal_error(error, status%parse, source%name//": byte "//integer_text(source%length)//": the file ends here, "// &
-                          promise//" needs "//integer_text(bytes - source%length)//" bytes more"//new_line("a")// &
-                          "it was cut off: copy it again")
+         call fatal_error(error, status%parse, source%name//": byte "// &
+            integer_text(source%length)//": the file ends here, "//promise//" needs "// &
+            integer_text(bytes - source%length)//" bytes more"//new_line("a")// &
+            "it was cut off: copy it again")
       else if (source%length > bytes) then
-         call fatal_error(error, status%parse, source%name//": byte "//integer_text(bytes)//": "//promise//" ends here, and "// &
-                          integer_text(source%length - bytes)//" bytes follow"//new_line("a")//"give a file that holds one array")
+         call fatal_error(error, status%parse, source%name//": byte "//integer_text(bytes)//": "// &
+            promise//" ends here, and "//integer_text(source%length - bytes)//" bytes follow"// &
+            new_line("a")//"give a file that holds one array")
       end if
    end subroutine check_size
 

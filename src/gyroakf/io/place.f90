@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Messages that show the place in a file: `FILE:LINE:COLUMN: what is wrong`, the line, a caret, what to do.
+!> Messages that show a place in a file: `FILE:LINE:COLUMN: fault`, the line, a caret, what to do.
 module gyroakf_io_place
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -7,29 +7,28 @@ module gyroakf_io_place
    use gyroakf_utf8, only : is_continuation, sequence_length, text_width
    implicit none (type, external)
    private
-   public :: place_error, shown_bytes, integer_text, integer_length
+   public :: place_error, line_error, shown_bytes, integer_text, integer_length
+
+   !> An integer without blanks
+   interface integer_text
+      module procedure short_text, long_text
+   end interface integer_text
 
    !> So many characters of a long line are shown
    integer, parameter :: width = 96
 
 contains
 
-   !> An error of code parse at a place in a file; columns are counted in characters (UTF-8), from 1.
+   !> An error of code parse at a place in a file; columns are counted in characters, from 1.
    pure subroutine place_error(error, name, line, bytes, first, last, at, what, advice)
-      !> Allocated
       type(error_type), allocatable, intent(out) :: error
-      !> The file
       character(*), intent(in) :: name
-      !> The line's number, from 1
       integer(int64), intent(in) :: line
-      !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       !> The byte that the caret is under, first to last + 1
       integer(int64), intent(in) :: at
-      !> What is wrong
       character(*), intent(in) :: what
-      !> What to do
       character(*), intent(in) :: advice
       character(1), parameter :: nl = new_line("a")
       character(:), allocatable :: shown, head, tail
@@ -48,11 +47,22 @@ contains
          if (to < len(shown)) tail = "..."
       end if
       call fatal_error(error, status%parse, name//":"//integer_text(line)//":"// &
-                       integer_text(int(text_width(shown(:place - 1)) + 1, int64))//": "//what//nl//head//shown(from:to)//tail// &
-                       nl//repeat(" ", len(head) + text_width(shown(from:place - 1)))//"^"//nl//advice)
+         integer_text(text_width(shown(:place - 1)) + 1)//": "//what//nl//head//shown(from:to)// &
+         tail//nl//repeat(" ", len(head) + text_width(shown(from:place - 1)))//"^"//nl//advice)
    end subroutine place_error
 
-   !> The first byte of the character so many characters away; 1 or len + 1 where the text is too short.
+   !> An error of code parse about a whole line of a file.
+   pure subroutine line_error(error, name, line, what, advice)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), intent(in) :: name
+      integer(int64), intent(in) :: line
+      character(*), intent(in) :: what, advice
+
+      call fatal_error(error, status%parse, &
+                       name//":"//integer_text(line)//":1: "//what//new_line("a")//advice)
+   end subroutine line_error
+
+   !> The first byte of the character so many characters away, at least 1, at most len + 1.
    pure integer function step(text, at, count)
       character(*), intent(in) :: text
       integer, intent(in) :: at, count
@@ -68,9 +78,8 @@ contains
       step = max(step, 1)
    end function step
 
-   !> Bytes as a text for a terminal: tabs become blanks, control characters and broken UTF-8 question marks.
+   !> Bytes for a terminal: tabs become blanks, control characters and broken UTF-8 question marks.
    pure function shown_bytes(bytes, first, last) result(text)
-      !> The text at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(max(0_int64, last - first + 1)) :: text
@@ -88,7 +97,6 @@ contains
 
    !> The length of [[integer_text]].
    pure integer function integer_length(i)
-      !> Any value
       integer(int64), intent(in) :: i
       character(20) :: text
 
@@ -96,13 +104,18 @@ contains
       integer_length = len_trim(text)
    end function integer_length
 
-   !> An integer without blanks.
-   pure function integer_text(i) result(text)
-      !> Any value
+   pure function long_text(i) result(text)
       integer(int64), intent(in) :: i
       character(integer_length(i)) :: text
 
       write (text, "(i0)") i
-   end function integer_text
+   end function long_text
+
+   pure function short_text(i) result(text)
+      integer, intent(in) :: i
+      character(integer_length(int(i, int64))) :: text
+
+      write (text, "(i0)") i
+   end function short_text
 
 end module gyroakf_io_place

@@ -1,21 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> What stands above the rows of a table in text: comments, names, units, settings, rows of other
-!> records.
+!> What stands above the rows of a table: comments, names, units, settings, rows of other records.
 module gyroakf_io_preamble
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : column_names_type, count_names, most_columns
    use gyroakf_io_header, only : read_comment
-   use gyroakf_io_heading, only : alike, begins_with_names, find_pattern, is_setting, labels_are_names, only_words, suppose_names, &
-      suppose_record_names, take_heading
+   use gyroakf_io_heading, only : alike, begins_with_names, find_pattern, is_setting, &
+      labels_are_names, only_words, suppose_names, suppose_record_names, take_heading
    use gyroakf_io_lines, only : next_line, lines_type, more_lines
-   use gyroakf_io_marks, only : find_marks, marks_type, name_fields
+   use gyroakf_io_labels, only : name_fields
+   use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : digits_ahead
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_selection, only : is_wanted, set_condition
    use gyroakf_io_table, only : table_type
-   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, has_fields, is_no_row, split, split_line
+   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, has_fields, &
+      is_no_row, split, split_line
    use gyroakf_record, only : add_text
    use gyroakf_spelling, only : lower
    implicit none (type, external)
@@ -26,9 +27,7 @@ contains
 
    !> Reads comments and names up to the first line of numbers, which stays at hand.
    subroutine read_preamble(lines, options, table, error)
-      !> Open
       type(lines_type), intent(inout) :: lines
-      !> What is wanted
       type(reader_options), intent(in) :: options
       !> Its header, names and warnings are filled
       type(table_type), intent(inout) :: table
@@ -48,17 +47,20 @@ contains
             continue
          else if (lacks_first(lines, table)) then
             return
-         else if (is_no_row(lines%bytes, lines%at, lines%to) .and. .not. begins_with_names(lines)) then
+         else if (is_no_row(lines%bytes, lines%at, lines%to) .and. &
+            .not. begins_with_names(lines)) then
             call read_comment(lines, table%header, table%warnings)
             call suppose_names(lines, table%supposed)
-         else if (verify(bytes_text(lines%bytes, lines%at, lines%to), "-=+*_|~ "//achar(9)) == 0) then
+         else if (verify(bytes_text(lines%bytes, lines%at, lines%to), "-=+*_|~ "// &
+            achar(9)) == 0) then
             continue                                            ! a rule
          else
             call find_pattern(lines%bytes, lines%at, lines%to, pattern, marks)
             if (len_trim(pattern) == 0 .and. (len(pattern) == 0 .or. &
                count_names(table%names) /= len(pattern))) then
                continue
-            else if ((4*marks%labels <= len(pattern)/2 .or. labels_are_names(lines, pattern)) .and. only_words(lines)) then
+            else if ((4*marks%labels <= len(pattern)/2 .or. &
+               labels_are_names(lines, pattern)) .and. only_words(lines)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(lines%to, lines%at + 3)))
                if (word /= "sep=" .and. .not. names_wanted(options, table%names)) then
                   call take_heading(lines, table%names%line < setting, table%names, table%layout)
@@ -69,22 +71,22 @@ contains
                setting = lines%number
                above = pattern
             else
-               call check_names(len(pattern), setting, marks%labels > 0 .and. alike(pattern, above), table, error)
+               call check_names(len(pattern), setting, marks%labels > 0 .and. &
+                  alike(pattern, above), table, error)
                return
             end if
          end if
          call next_line(lines)
       end do
-      if (table%layout%where_column > 0) then
-         call fatal_error(error, status%invalid_argument, table%name//": no row agrees with "//options%where)
-         return
-      end if
-      call fatal_error(error, status%parse, table%name//":"//integer_text(max(1_int64, lines%number - 1))// &
-                       ":1: the file holds no line of numbers"//new_line("a")// &
-                       "give one row of numbers per sample; lines that begin with # % ; // are comments")
+      if (table%layout%where_column > 0) call fatal_error(error, status%invalid_argument, &
+         table%name//": no row agrees with "//options%where)
+      if (allocated(error)) return
+      call line_error(error, table%name, max(1_int64, lines%number - 1), &
+         "the file holds no line of numbers", &
+         "give one row of numbers per sample; lines that begin with # % ; // are comments")
    end subroutine read_preamble
 
-   !> A setting between names and rows: words above it are no names, unless there are as many of them as columns, which is an error.
+   !> A setting between names and rows: words above it are no names; as many as columns: an error.
    subroutine check_names(columns, setting, equal, table, error)
       integer, intent(in) :: columns
       integer(int64), intent(in) :: setting
@@ -93,12 +95,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (setting == 0) return
-      call add_text(table%warnings, "what stands above line "//integer_text(setting + 1)//" is taken for settings", note=.true.)
+      call add_text(table%warnings, "what stands above line "//integer_text(setting + 1)// &
+         " is taken for settings", note=.true.)
       if (table%names%line > setting) return
-      if (count_names(table%names) == columns .or. equal) then
-         call fatal_error(error, status%parse, table%name//":"//integer_text(setting)// &
-            ":1: the line is neither a row nor names, and stands between both"//new_line("a")//"mend the line")
-      end if
+      if (count_names(table%names) == columns .or. equal) call line_error(error, table%name, &
+         setting, "the line is neither a row nor names, and stands between both", "mend the line")
       table%names%known = .false.
    end subroutine check_names
 
@@ -113,7 +114,7 @@ contains
          options%where(index(options%where, "=", back=.true.) + 1:), i=1, count_names(names))])
    end function names_wanted
 
-   !> True for a row that `options%where` leaves out, where its column is known; a row whose label is the value is not left out.
+   !> True for a row that `options%where` leaves out; one whose label is the value stays.
    logical function skipped_by_where(lines, options, table) result(skipped)
       type(lines_type), intent(in) :: lines
       type(reader_options), intent(in) :: options
@@ -137,13 +138,15 @@ contains
       if (allocated(failed)) return
       skipped = .not. is_wanted(line, lines%at, lines%to, table%layout)
       if (skipped .and. marks%labels > 0 .and. names%known) then
-         associate (column => table%layout%where_column, value => options%where(index(options%where, "=", back=.true.) + 1:))
-            if (column <= size(names%name)) table%layout%where_label = names%name(column)%text == value .or. &
-               names%name(column)%text == value//"[0]"
+         associate (column => table%layout%where_column, &
+            value => options%where(index(options%where, "=", back=.true.) + 1:))
+            if (column <= size(names%name)) table%layout%where_label = &
+               names%name(column)%text == value .or. names%name(column)%text == value//"[0]"
          end associate
          skipped = .not. table%layout%where_label
       else if (skipped) then
-         call suppose_record_names(line, fields, lines%number, table%layout%where_value, table%supposed)
+         call suppose_record_names(line, fields, lines%number, table%layout%where_value, &
+            table%supposed)
       end if
    end function skipped_by_where
 
@@ -153,7 +156,8 @@ contains
       type(table_type), intent(in) :: table
       type(fields_type) :: fields
 
-      lacks_first = table%layout%semicolons .and. begins_with_semicolon(lines%bytes, lines%at, lines%to)
+      lacks_first = table%layout%semicolons .and. &
+         begins_with_semicolon(lines%bytes, lines%at, lines%to)
       if (lacks_first) lacks_first = .not. only_words(lines)
       if (.not. lacks_first) return
       call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)

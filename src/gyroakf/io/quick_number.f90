@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Decimal numbers of the usual forms, correctly rounded or not at all: the first two paths of [[gyroakf_io_number]].
+!> Usual decimal numbers, correctly rounded or not at all: the first paths of [[gyroakf_io_number]].
 !>
-!> Usual are `[+-] [digits] [. digits] [e|E|d|D [+-] digits]` with up to 15 digits before the point, no more digits than an integer
-!> of 64 bits without a sign holds, fewer than 24 behind the point, and an exponent of 1 to 3 digits. Digits are taken eight at a
-!> time (as bytes of a word); nothing is allocated, and no branch depends on a sign or on the value of a digit.
+!> Usual are `[+-] [digits] [. digits] [e|E|d|D [+-] digits]` with up to 15 digits before the point,
+!> no more digits than an integer of 64 bits without a sign holds, fewer than 24 behind the point,
+!> and an exponent of 1 to 3 digits. Digits are taken eight at a time (as bytes of a word); nothing
+!> is allocated, and no branch depends on a sign or on the value of a digit.
 module gyroakf_io_quick_number
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_wide_power, only : int128, power, ten
@@ -13,7 +14,7 @@ module gyroakf_io_quick_number
 
    !> A number and where it ends: two words, which a function hands back in registers
    type :: quick_type
-      !> The byte after the number; 0 where it is not of a usual form, or not sure to be rounded correctly
+      !> The byte after the number; 0 where it is not usual, or not sure to be rounded correctly
       integer(int64) :: next
       real(dp) :: value
    end type quick_type
@@ -27,34 +28,35 @@ module gyroakf_io_quick_number
    real(dp), parameter :: exact_ten(0:22) = [(10.0_dp**i, i=0, 22)]
 
    !> Bytes of words: the lower and the upper half, "0", 6, ".", six bits and the one above them
-   integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), upper = int(z'F0F0F0F0F0F0F0F0', int64)
-   integer(int64), parameter :: zeros = int(z'3030303030303030', int64), sixes = int(z'0606060606060606', int64)
+   integer(int64), parameter :: nibbles = int(z'0F0F0F0F0F0F0F0F', int64), &
+      upper = int(z'F0F0F0F0F0F0F0F0', int64)
+   integer(int64), parameter :: zeros = int(z'3030303030303030', int64), &
+      sixes = int(z'0606060606060606', int64)
    integer(int64), parameter :: points = int(z'2E2E2E2E2E2E2E2E', int64)
-   integer(int64), parameter :: six_bits = int(z'3F3F3F3F3F3F3F3F', int64), above = int(z'4040404040404040', int64)
-   integer(int64), parameter :: bytes_even = int(z'00FF00FF00FF00FF', int64), words_even = int(z'0000FFFF0000FFFF', int64)
+   integer(int64), parameter :: six_bits = int(z'3F3F3F3F3F3F3F3F', int64), &
+      above = int(z'4040404040404040', int64)
+   integer(int64), parameter :: bytes_even = int(z'00FF00FF00FF00FF', int64), &
+      words_even = int(z'0000FFFF0000FFFF', int64)
    integer(int64), parameter :: low32 = 2_int64**32 - 1
-   logical, parameter :: little_endian = transfer([1_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8], 0_int64) == 1
+   logical, parameter :: little_endian = &
+      transfer([1_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8, 0_int8], 0_int64) == 1
 
    !> The largest number before which eight more digits do not overflow
    integer(int64), parameter :: most_before_eight = 92233720367_int64
    !> With n digits more a number stays in 2^53 up to here
-   integer(int64), parameter :: exact_before(0:7) = [9007199254740992_int64, 900719925474098_int64, 90071992547408_int64, &
-      9007199254739_int64, 900719925473_int64, 90071992546_int64, 9007199253_int64, 900719924_int64]
-   !> 10^n as half(n) * 2^twos(n), and the largest number of which half(n) times it, and half of n digits more, does not overflow
-   integer(int64), parameter :: half(0:7) = [1_int64, 5_int64, 50_int64, 500_int64, 5000_int64, 50000_int64, 500000_int64, &
-      5000000_int64]
-   integer, parameter :: twos(0:7) = [0, 1, 1, 1, 1, 1, 1, 1]
-   integer(int64), parameter :: most_before(0:7) = [9223372036854775807_int64, 1844674407370955160_int64, &
-      184467440737095515_int64, 18446744073709550_int64, 1844674407370954_int64, 184467440737094_int64, 18446744073708_int64, &
-      1844674407369_int64]
+   integer(int64), parameter :: exact_before(0:7) = [((2_int64**53 - ten(i) + 1)/ten(i), i=0, 7)]
+   !> 10^n as half(n) * 2^twos(n), and the largest number of which half(n) times it, and half of n
+   !> digits more, does not overflow
+   integer, parameter :: twos(0:7) = [0, (1, i=1, 7)]
+   integer(int64), parameter :: half(0:7) = [(ten(i)/2**twos(i), i=0, 7)]
+   integer(int64), parameter :: most_before(0:7) = [((huge(half) - half(i) + 1)/half(i), i=0, 7)]
 
 contains
 
    !> The number that begins at a byte. What follows it is the caller's business.
    pure function quick_number(bytes, at) result(quick)
-      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of them no digit
+      !> The text and `digits_ahead` more bytes, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> First byte of the number
       integer(int64), intent(in), value :: at
       !> Its `next` is 0 where another way has to be taken
       type(quick_type) :: quick
@@ -90,7 +92,8 @@ contains
          if (q <= 0) value = value/exact_ten(-q)
          if (q > 0) value = value*exact_ten(q)
       else
-         value = rounded(m*half(n) + shiftr(tail, twos(n)), iand(tail, int(twos(n), int64)), q, twos(n))
+         value = rounded(m*half(n) + shiftr(tail, twos(n)), iand(tail, int(twos(n), int64)), q, &
+            twos(n))
          if (value < 0.0_dp) return
       end if
       quick%value = transfer(ieor(transfer(value, m), shiftl(minus, 63)), value)
@@ -121,7 +124,8 @@ contains
          if (bytes(p + 1) < 48 .or. bytes(p + 1) > 57) p = 0
          return
       else if (bytes(p) == 46 .and. point > signed .and. point < 8) then
-         word = shiftl(iand(ieor(word, zeros), not(iand(255_int64, -int(signed, int64)))), 64 - 8*point)
+         word = shiftl(iand(ieor(word, zeros), not(iand(255_int64, -int(signed, int64)))), &
+            64 - 8*point)
          if (no_digits(word) == 0) then
             m = eight_digits(word)
             return
@@ -152,7 +156,7 @@ contains
       if (n == 8 .or. p == first) p = 0
    end subroutine take_integer
 
-   !> Appends the eight digits of a word that was read at p, and reads the next word; leaves it where m would overflow.
+   !> Appends the eight digits read at p, and reads the next word; not where m would overflow.
    pure subroutine take_eight(bytes, p, m, q, word)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, m, q, word
@@ -164,7 +168,7 @@ contains
       word = ieor(transfer(bytes(p:p + 7), word), zeros)
    end subroutine take_eight
 
-   !> Adds an exponent, whose letter is at p, to q; p is 0 where it is not of 1 to 3 digits. A sign and two digits are usual.
+   !> Adds an exponent, whose letter is at p, to q; p is 0 where it has not 1 to 3 digits.
    pure subroutine take_exponent(bytes, p, q)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p, q
@@ -175,7 +179,8 @@ contains
       tens = bytes(p + 2) - 48
       ones = bytes(p + 3) - 48
       behind = bytes(p + 4) - 48
-      usual = iand(sign_bits, 253) == 0 .and. tens >= 0 .and. tens <= 9 .and. ones >= 0 .and. ones <= 9
+      usual = iand(sign_bits, 253) == 0 .and. tens >= 0 .and. tens <= 9 .and. ones >= 0 .and. &
+         ones <= 9
       if (behind >= 0 .and. behind <= 9) usual = .false.
       if (usual) then
          p = p + 4
@@ -203,10 +208,11 @@ contains
       q = q + merge(-exponent, exponent, minus)
    end subroutine take_any_exponent
 
-   !> (2^twos * m + odd) * 10^q, rounded to nearest; -1 where 63 bits of the power of ten do not tell, and for zero.
+   !> (2^twos * m + odd) * 10^q to nearest; -1 where 63 bits of 10^q do not tell, and for zero.
    !>
-   !> The product of `top`, m shifted to 63 bits, and the truncated power falls short of the true one by less than 3 in its upper
-   !> half: where all numbers between them round to the same, that is the result.
+   !> The product of `top`, m shifted to 63 bits, and the truncated power falls short of the true
+   !> one by less than 3 in its upper half: where all numbers between them round to the same, that
+   !> is the result.
    pure real(dp) function rounded(m, odd, q, twos) result(value)
       integer(int64), intent(in), value :: m, odd, q
       integer, intent(in), value :: twos
@@ -244,7 +250,7 @@ contains
 
    !> Moves behind digits, eight at a time.
    pure subroutine skip_digits(bytes, at)
-      !> The text; [[gyroakf_io_quick_number:digits_ahead]] more bytes than the text, the first of them no digit
+      !> The text and `digits_ahead` more bytes, the first of them no digit
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Any byte; afterwards the next that is no digit
       integer(int64), intent(inout) :: at

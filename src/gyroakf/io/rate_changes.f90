@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Where the sample rate changes for good: by more than 0.5 %, and by more than the rates of the parts of a record scatter.
+!> Where the sample rate changes for good: by 0.5 % and more than the rates of the parts scatter.
 module gyroakf_io_rate_changes
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type, find_step, steps_type
@@ -15,7 +15,7 @@ module gyroakf_io_rate_changes
 
 contains
 
-   !> Where the rate changes for good: by more than 0.5 % and than the rates of the parts of the record scatter.
+   !> Where the rate changes for good: by more than 0.5 % and more than its parts scatter.
    subroutine find_changes(t, work, change, steps, count_changes)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
@@ -49,8 +49,8 @@ contains
          steps(k + 1) = median_of(part(ends(k) + 1:ends(k + 1)))
       end do
       do k = 1, count_changes
-         change(k) = corner(t, max(1_int64, (ends(k) - 2)*length), min(n, (ends(k) + 2)*length), 0.5_dp*(steps(k) + steps(k + 1)), &
-                            steps(k + 1) < steps(k))
+         change(k) = corner(t, max(1_int64, (ends(k) - 2)*length), min(n, (ends(k) + 2)*length), &
+            0.5_dp*(steps(k) + steps(k + 1)), steps(k + 1) < steps(k))
       end do
    end subroutine find_changes
 
@@ -85,25 +85,22 @@ contains
       integer, intent(inout) :: changes
       integer, intent(in) :: most
       integer :: stretch, at
-      logical :: found
 
       do while (changes < most)
-         found = .false.
          do stretch = 0, changes
             call best_division(part(ends(stretch) + 1:ends(stretch + 1)), at)
-            if (at == 0) cycle
-            found = .true.
-            ends(stretch + 2:changes + 2) = ends(stretch + 1:changes + 1)
-            ends(stretch + 1) = ends(stretch) + at
-            changes = changes + 1
-            exit
+            if (at > 0) exit
          end do
-         if (.not. found) exit
+         if (at == 0) exit
+         ends(stretch + 2:changes + 2) = ends(stretch + 1:changes + 1)
+         ends(stretch + 1) = ends(stretch) + at
+         changes = changes + 1
       end do
    end subroutine divide
 
-   !> The last part before the change, 0 where there is none: both sides' medians differ by more than 0.5 % and six times the
-   !> scatter of either side, and the sides overlap in no more than an eighth of their parts.
+   !> The last part before the change, 0 where there is none: both sides' medians differ by more
+   !> than 0.5 % and six times the scatter of either side, and the sides overlap in no more than an
+   !> eighth of their parts.
    subroutine best_division(part, at)
       real(dp), intent(in) :: part(:)
       integer, intent(out) :: at
@@ -123,7 +120,8 @@ contains
          spread = 1.5_dp*max(median_of(abs(part(:k) - left)), median_of(abs(part(k + 1:) - right)))
          if (abs(right - left) <= 6.0_dp*spread) cycle
          middle = 0.5_dp*(left + right)
-         wrong = count((part(:k) > middle) .neqv. (left > middle)) + count((part(k + 1:) > middle) .neqv. (right > middle))
+         wrong = count((part(:k) > middle) .neqv. (left > middle)) + &
+            count((part(k + 1:) > middle) .neqv. (right > middle))
          if (wrong > n/8) cycle
          score = 2.0_dp + abs(right - left)/middle - real(wrong, dp)
          if (at > 0 .and. score <= best) cycle
@@ -132,7 +130,7 @@ contains
       end do
    end subroutine best_division
 
-   !> The first sample behind a bend of the stamps between two samples: where their distance from the mean slope is extreme.
+   !> The first sample behind a bend of the stamps: where they are farthest from the mean slope.
    pure integer(int64) function corner(t, first, last, step, faster)
       real(dp), intent(in), contiguous :: t(:)
       integer(int64), intent(in) :: first, last

@@ -18,31 +18,31 @@ module gyroakf_io_reader_options
    type :: reader_options
       !> Hz; 0: from the time stamps or the header
       real(dp) :: rate_hz = 0.0_dp
-      !> Of the values after `scale`: "deg/s" for all channels, or one for each, separated by commas; unallocated: from the
-      !> header, or unknown
+      !> Of the scaled values: "deg/s", or one for each channel, "deg/s,g"; unallocated: from the
+      !> header
       character(:), allocatable :: unit
       !> "rate" (also where unallocated), "increment" (angle per sample) or "angle"
       character(:), allocatable :: input
       !> Every value is multiplied by it
       real(dp) :: scale = 1.0_dp
-      !> Columns by number (from 1, all columns count) or name, as "2" or "gx,gy"; unallocated: all but the time column
+      !> Columns by number (from 1) or name, as "2" or "gx,gy"; unallocated: all but the time column
       character(:), allocatable :: columns
       !> Number or name; "none" forbids; unallocated: found by its name
       character(:), allocatable :: time_column
-      !> Of numbers in the time column: "s", "ms", "us", "ns", "min", "h", perhaps behind a whole number, as in "100us";
-      !> unallocated: by its name, else by its values
+      !> Of numbers in the time column: "s", "ms", "us", "ns", "min", "h", perhaps behind a whole
+      !> number, as in "100us"; unallocated: by its name, else by its values
       character(:), allocatable :: time_unit
-      !> COLUMN=VALUE: rows that hold something else in that column are not read; unallocated: all rows
+      !> COLUMN=VALUE: only these rows are read; unallocated: all rows
       character(:), allocatable :: where
-      !> How samples get their place: "index" (also where unallocated) at the mean rate, lost ones filled in; "nearest" on the slot
-      !> of the grid nearest to their stamp; "linear" interpolated onto the grid
+      !> How samples get their place: "index" (also where unallocated) at the mean rate, lost ones
+      !> filled in; "nearest" on the slot of the grid nearest to their stamp; "linear" interpolated
       character(:), allocatable :: resample
-      !> Where angles wrap, in units of the file: a number, "auto" (also where unallocated) or "none"
+      !> Where angles wrap, in units of the file: a number, "auto" (or unallocated) or "none"
       character(:), allocatable :: wrap
       !> Every comma in the file is a decimal comma
       logical :: decimal_comma = .false.
-      !> "auto" (also where unallocated), "text", "csv", "npy", or raw numbers: "f32", "f64", "i8", "i16", "i32", "i64", "u8", ...,
-      !> with "be" behind it where they are big endian
+      !> "auto" (also where unallocated), "text", "csv", "npy", or raw numbers: "f32", "f64", "i8",
+      !> "i16", "i32", "i64", "u8", ..., with "be" behind it where they are big endian
       character(:), allocatable :: format
       !> Columns that are not analyzed are read for [[record_type:column]], too
       logical :: survey = .false.
@@ -54,14 +54,14 @@ module gyroakf_io_reader_options
       integer(int64) :: skip = 0
       !> Raw numbers: interleaved columns; 0: not given, 1
       integer(int64) :: channels = 0
-      !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per sample, beside the record itself:
-      !> for the channel that is worked on, and for every channel
+      !> Bytes that the process may use, 0 for no limit; and what the caller needs of them per
+      !> sample, beside the record itself: for the channel that is worked on, and for every channel
       integer(int64) :: memory = 0, work_bytes = 0, channel_bytes = 0
-      !> The same for `part_samples` of the channel that is worked on, or all of them where they are fewer
+      !> The same for `part_samples` of the channel that is worked on, or all if they are fewer
       integer(int64) :: part_bytes = 0, part_samples = 0
       !> `memory` is what the machine has left, not an option
       logical :: memory_found = .false.
-      !> Where associated they are read instead of a file, and the path is a name for messages; they have to stay until the end
+      !> Where associated they are read instead of a file, whose path is a name for messages then
       integer(int8), pointer, contiguous :: bytes(:) => null()
    end type reader_options
 
@@ -78,11 +78,10 @@ contains
       character(:), allocatable :: wrong
 
       if (allocated(options%wrap)) then
-         known = options%wrap == "auto" .or. options%wrap == "none"
-         if (.not. known) call parse_number(options%wrap, modulus, found)
-         if (.not. known) known = found == number%ok .and. modulus > 0.0_dp
-         if (.not. known) wrong = "angles cannot wrap at '"//options%wrap// &
-            "'; known are auto, none and positive numbers"
+         call parse_number(options%wrap, modulus, found)
+         known = any(options%wrap == ["auto", "none"]) .or. modulus > 0.0_dp
+         if (.not. known .or. found == number%overflow) wrong = "angles cannot wrap at '"// &
+            options%wrap//"'; known are auto, none and positive numbers"
       end if
       if (allocated(options%input)) then
          known = any(options%input == [character(9) :: "rate", "increment", "angle"])
@@ -117,10 +116,8 @@ contains
          wrong = "the rate has to lie between 1e-30 and 1e30 Hz, and is "// &
             format_real(options%rate_hz, 6)//" Hz"
       end if
-      if (allocated(wrong)) then
-         call fatal_error(error, status%invalid_argument, wrong)
-         return
-      end if
+      if (allocated(wrong)) call fatal_error(error, status%invalid_argument, wrong)
+      if (allocated(error)) return
       if (allocated(options%resample)) then
          known = any(options%resample == [character(7) :: "index", "nearest", "linear"])
          if (.not. known) wrong = "to resample by '"//options%resample// &

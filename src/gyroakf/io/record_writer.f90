@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> A record written as a file that the readers understand: text with header keys, NumPy's .npy, bare numbers.
+!> A record as a file that the readers understand: text with header keys, .npy, bare numbers.
 module gyroakf_io_record_writer
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_record, only : record_type, text_type
    use gyroakf_units, only : quantity
    use gyroakf_progress, only : progress_type
-   use gyroakf_io_columns_writer, only : begin_rows, column_type, form_of, put_rows, row_layout_type
-   use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer, discard_writer
+   use gyroakf_io_columns_writer, only : column_type, form_of, put_rows, row_layout_type
+   use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, commit_writer, &
+      discard_writer
    implicit none (type, external)
    private
    public :: write_record
@@ -16,8 +17,9 @@ contains
 
    !> Writes a record; the file appears whole or not at all.
    !>
-   !> As text: the given lines and the keys `rate_hz`, `unit` (where known) and `columns`, each behind "# ", then the samples,
-   !> channels separated by a blank, "nan" where missing. A path that ends in `.npy` or `.f64` gets the samples alone.
+   !> As text: the given lines and the keys `rate_hz`, `unit` (where known) and `columns`, each
+   !> behind "# ", then the samples, channels separated by a blank, "nan" where missing. A path that
+   !> ends in `.npy` or `.f64` gets the samples alone.
    subroutine write_record(path, record, header, digits, error, progress)
       !> The file; "-" is standard output
       character(*), intent(in) :: path
@@ -34,14 +36,13 @@ contains
       type(writer_type) :: writer
       type(row_layout_type) :: layout
       type(column_type) :: columns(size(record%value, 2))
-      integer(int64) :: n
       integer :: j
 
       if (digits < 0 .or. digits > 17) then
-         call fatal_error(error, status%invalid_argument, "a record is written with 0 .. 17 significant digits")
+         call fatal_error(error, status%invalid_argument, &
+            "a record is written with 0 .. 17 significant digits")
          return
       end if
-      n = size(record%value, 1, kind=int64)
       do j = 1, size(columns)
          columns(j)%value => record%value(:, j)
          if (allocated(record%present)) columns(j)%present => record%present(:, j)
@@ -52,8 +53,7 @@ contains
       call open_writer(writer, path, error)
       if (allocated(error)) return
       if (layout%form == "text") call put_header(writer, record, header)
-      call begin_rows(writer, size(columns), n, layout)
-      call put_rows(writer, columns, 1_int64, n, layout, error, progress)
+      call put_rows(writer, columns, size(record%value, 1, kind=int64), layout, error, progress)
       if (allocated(error)) then
          call discard_writer(writer)
       else
@@ -83,7 +83,8 @@ contains
          call put(writer, "# units:")
          do i = 1, size(record%channel_unit)
             if (record%channel_unit(i)%quantity == quantity%unknown) call put(writer, " -")
-            if (record%channel_unit(i)%quantity /= quantity%unknown) call put(writer, " "//record%channel_unit(i)%name)
+            if (record%channel_unit(i)%quantity /= quantity%unknown) call put(writer, " "// &
+               record%channel_unit(i)%name)
          end do
          call put_line(writer, "")
       end if

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A recording that is open: what stands above its rows is known, the rows are read as far as the memory allows.
+!> An open recording: what stands above its rows is known, these are read as memory allows.
 module gyroakf_io_recording
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -11,7 +11,7 @@ module gyroakf_io_recording
    use gyroakf_io_format, only : content_type, recognise
    use gyroakf_io_lines, only : lines_type, open_lines
    use gyroakf_io_opening, only : begin_npy, begin_raw
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : check_options, reader_options
    use gyroakf_io_source, only : close_source
    use gyroakf_io_table, only : table_type
@@ -53,7 +53,6 @@ contains
    subroutine open_recording(path, options, recording, error)
       !> A path; "-" is standard input
       character(*), intent(in) :: path
-      !> How
       type(reader_options), intent(in) :: options
       !> To be closed by [[close_recording]], after a failure too
       type(recording_type), intent(out) :: recording
@@ -73,14 +72,13 @@ contains
       call begin_rows(path, recording, error)
    end subroutine open_recording
 
-   !> Finds the format and reads what stands above the rows.
    subroutine begin_rows(path, recording, error)
       character(*), intent(in) :: path
       type(recording_type), intent(inout) :: recording
       type(error_type), allocatable, intent(out) :: error
       type(content_type) :: content
       type(element_type) :: element
-      logical :: raw
+      logical :: raw, other
 
       call parse_element(recording%options%format, element, raw)
       if (raw) then
@@ -94,26 +92,35 @@ contains
       if (allocated(error)) return
       select case (content%kind)
       case ("npy")
-         call begin_npy(recording%lines, recording%options, recording%binary, recording%table, error)
+         call begin_npy(recording%lines, recording%options, recording%binary, recording%table, &
+            error)
          recording%format = "npy"
          recording%stored_type = trim(element_name(recording%binary%element))
          recording%expected_rows = max(0_int64, recording%binary%rows)
       case ("binary")
          call close_source(recording%lines%source)
          call begin_numbers_only(path, content%element, recording, error)
-         if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "//trim(element_word(content%element))// &
-            ", "//integer_text(recording%binary%columns)//" column"//trim(merge("s", " ", recording%binary%columns > 1))// &
-            ", as the name ."//content%ending//" says; `format` and `channels` say it")
+         if (.not. allocated(error)) call add_text(recording%table%warnings, "read as "// &
+            trim(element_word(content%element))//", "//integer_text(recording%binary%columns)// &
+            " column"//trim(merge("s", " ", recording%binary%columns > 1))//", as the name ."// &
+            content%ending//" says; `format` and `channels` say it")
       case default
          call begin_table(recording%lines, recording%options, recording%table, error)
          if (allocated(error)) return
-         recording%expected_rows = rows_by_size(recording%lines)
-         if (named_otherwise(content%ending)) call add_text(recording%table%warnings, "the name ends in ."//content%ending// &
-                                                            ", but the content is text and is read as such")
+         associate (lines => recording%lines)
+            if (lines%source%length > 0 .and. lines%last >= lines%at) recording%expected_rows = &
+               int(real(lines%source%length, dp) &
+                   *real(count(lines%bytes(lines%at:lines%last) == 10, kind=int64), dp) &
+                   /real(lines%last - lines%at + 1, dp), int64)
+         end associate
+         call parse_element(content%ending, element, other)
+         other = other .or. &
+            any(content%ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
+         if (other) call add_text(recording%table%warnings, &
+            "the name ends in ."//content%ending//", but the content is text and is read as such")
       end select
    end subroutine begin_rows
 
-   !> Opens raw numbers.
    subroutine begin_numbers_only(path, element, recording, error)
       character(*), intent(in) :: path
       type(element_type), intent(in) :: element
@@ -122,8 +129,8 @@ contains
 
       call check_use("binary", recording, error)
       if (allocated(error)) return
-      call begin_raw(recording%lines%source, path, recording%options, max(1_int64, recording%options%channels), element, &
-                     recording%binary, recording%table, error)
+      call begin_raw(recording%lines%source, path, recording%options, max(1_int64, &
+         recording%options%channels), element, recording%binary, recording%table, error)
       recording%format = trim(element_word(element))
       recording%stored_type = trim(element_name(element))
       recording%expected_rows = max(0_int64, recording%binary%rows)
@@ -139,25 +146,26 @@ contains
       integer :: ending
 
       associate (name => lines%source%name)
-         if (lines%filled == 0) then
-            call fatal_error(error, status%parse, name//":1:1: the file is empty"//new_line("a")// &
-                             "check what should have written it")
-            return
-         end if
+         if (lines%filled == 0) call line_error(error, name, 1_int64, "the file is empty", &
+            "check what should have written it")
+         if (allocated(error)) return
          ending = index(lower(name)//" ", ".gz ") - 1
-         call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), content)
+         call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), &
+            content)
          if (content%kind == "foreign") then
-            if (associated(lines%source%inflater)) content%advice = "decompress it first (gzip -dk), then: "//content%advice
-            call fatal_error(error, status%parse, name//":"//integer_text(1 + count(lines%bytes(:content%at) == 10, kind=int64))// &
-                             ":1: the content is not text but "//content%what//new_line("a")//content%advice)
+            if (associated(lines%source%inflater)) content%advice = &
+               "decompress it first (gzip -dk), then: "//content%advice
+            call line_error(error, name, 1 + count(lines%bytes(:content%at) == 10, kind=int64), &
+               "the content is not text but "//content%what, content%advice)
             return
          end if
-         if (asked == "auto" .or. asked == content%kind .or. (asked == "csv" .and. content%kind == "text")) return
+         if (asked == "auto" .or. asked == content%kind .or. &
+            (asked == "csv" .and. content%kind == "text")) return
          what = "text"
          if (content%kind == "npy") what = "a NumPy file"
          if (content%kind == "binary") what = "binary"
-         call fatal_error(error, status%parse, name//":1:1: the content is not "//asked//" but "//what//new_line("a")// &
-                          "leave `format` out")
+         call line_error(error, name, 1_int64, "the content is not "//asked//" but "//what, &
+            "leave `format` out")
       end associate
    end subroutine find_content
 
@@ -173,31 +181,30 @@ contains
       if (kind /= "text" .and. allocated(recording%options%where)) what = "`where` is for text"
       if (kind /= "binary" .and. recording%options%channels > 0) what = &
          "`channels` is for raw numbers"
-      if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "//what// &
-         & ", and this is "//trim(kind))
+      if (allocated(what)) call fatal_error(error, status%invalid_argument, recording%path//": "// &
+         what//", and this is "//trim(kind))
    end subroutine check_use
 
-   !> True for the ending of another format.
-   pure logical function named_otherwise(ending)
-      character(*), intent(in) :: ending
-      type(element_type) :: element
-
-      call parse_element(ending, element, named_otherwise)
-      named_otherwise = named_otherwise .or. any(ending == [character(4) :: "npy", "npz", "h5", "hdf5", "hdf", "mat", "bin"])
-   end function named_otherwise
-
-   !> Reads all rows that are asked for, or as many as the memory allows: `table%whole`. None where the file's size alone
-   !> exceeds the memory. Without time stamps and with a known rate the rows beyond `options%to` are not read.
+   !> Reads all rows that are asked for, or as many as the memory allows: `table%whole`. None where
+   !> the file's size alone exceeds the memory. Without time stamps and with a known rate the rows
+   !> beyond `options%to` are not read.
    subroutine hold_rows(recording, error, progress)
-      !> Open
       type(recording_type), intent(inout) :: recording
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: most, wanted
+      real(dp) :: rate
 
-      call count_wanted(recording, wanted)
+      rate = recording%options%rate_hz
+      if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
+      wanted = huge(wanted)
+      if (recording%table%time == 0 .and. rate > 0.0_dp) then
+         if (recording%options%to < 1.0e15_dp/rate) then               ! angles are differenced
+            wanted = ceiling(recording%options%to*rate, int64) + 2
+         end if
+      end if
       if (recording%expected_rows > wanted) recording%expected_rows = wanted
       most = huge(most) - 1
       if (recording%options%memory > 0) most = rows_within(recording, recording%options)
@@ -206,33 +213,19 @@ contains
       if (recording%table%rows >= wanted .and. wanted <= most) recording%table%whole = .true.
    end subroutine hold_rows
 
-   !> Rows up to `options%to`, one more as angles are differenced; huge where that is not known before they are read.
-   pure subroutine count_wanted(recording, wanted)
-      type(recording_type), intent(in) :: recording
-      integer(int64), intent(out) :: wanted
-      real(dp) :: rate
-
-      wanted = huge(wanted)
-      if (recording%table%time > 0) return
-      rate = recording%options%rate_hz
-      if (.not. rate > 0.0_dp) rate = recording%table%header%rate_hz
-      if (.not. rate > 0.0_dp) return
-      if (recording%options%to < 1.0e15_dp/rate) wanted = ceiling(recording%options%to*rate, int64) + 2
-   end subroutine count_wanted
-
    !> Rows that fit into `options%memory`.
    pure integer(int64) function rows_within(recording, options, channels) result(rows)
-      !> Its columns are known
       type(recording_type), intent(in) :: recording
       !> Memory, and bytes per sample
       type(reader_options), intent(in) :: options
       !> Number of channels, all that are chosen if absent
       integer, intent(in), optional :: channels
 
-      rows = max(0_int64, options%memory - base_bytes)/(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
+      rows = max(0_int64, options%memory - base_bytes) &
+             /(bytes_needed(recording, 1_int64, options, channels) - base_bytes)
    end function rows_within
 
-   !> Reads rows into `table%store` until it has as many as wanted, or a few more, or there are no more (`table%whole`).
+   !> Reads rows into `table%store` until it has enough or there are no more (`table%whole`).
    !>
    !> The one place that reads rows, whatever the format.
    subroutine next_rows(recording, most, error, progress)
@@ -248,34 +241,21 @@ contains
       if (recording%format == "text") then
          call read_rows(recording%lines, most, recording%table, error, progress)
       else
-         call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, error, progress)
+         call read_binary_rows(recording%binary, recording%lines%source, most, recording%table, &
+            error, progress)
       end if
    end subroutine next_rows
 
-   !> Closes the file.
+   !> Closes the file; the rows stay.
    subroutine close_recording(recording)
-      !> Its rows stay
       type(recording_type), intent(inout) :: recording
 
       call close_source(recording%lines%source)
    end subroutine close_recording
 
-   !> Rows of a regular file from the length of its first lines, 0 where the size is not known.
-   pure integer(int64) function rows_by_size(lines) result(rows)
-      type(lines_type), intent(in) :: lines
-      integer(int64) :: count_lines
-
-      rows = 0
-      if (lines%source%length <= 0 .or. lines%last < lines%at) return
-      count_lines = count(lines%bytes(lines%at:lines%last) == 10, kind=int64)
-      rows = int(real(lines%source%length, dp)*real(count_lines, dp)/real(lines%last - lines%at + 1, dp), int64)
-   end function rows_by_size
-
    !> Bytes that the process needs to hold so many rows and work on them.
    pure integer(int64) function bytes_needed(recording, rows, options, channels) result(bytes)
-      !> Its columns are known
       type(recording_type), intent(in) :: recording
-      !> Number of rows
       integer(int64), intent(in) :: rows
       !> Bytes per sample of the job
       type(reader_options), intent(in) :: options
@@ -294,9 +274,7 @@ contains
 
    !> "FILE: about 12000000 rows need 276 MB (276000000 bytes), 100 MB of memory are allowed".
    subroutine say_too_large(recording, text)
-      !> Not whole
       type(recording_type), intent(in) :: recording
-      !> The first line of a message
       character(:), allocatable, intent(out) :: text
       integer(int64) :: rows, bytes
 
@@ -307,12 +285,11 @@ contains
          text = "more than "//integer_text(rows)//" rows need more than "
       end if
       bytes = bytes_needed(recording, rows, recording%options)
-      text = recording%table%name//": "//text//bytes_text(bytes)//" ("//integer_text(bytes)//" bytes), "// &
-             bytes_text(recording%options%memory)//" of memory are "// &
-             trim(merge("free   ", "allowed", recording%options%memory_found))
+      text = recording%table%name//": "//text//bytes_text(bytes)//" ("//integer_text(bytes)// &
+         " bytes), "//bytes_text(recording%options%memory)//" of memory are "// &
+         trim(merge("free   ", "allowed", recording%options%memory_found))
    end subroutine say_too_large
 
-   !> A size in GB or MB, as [[bytes_text]] says it.
    pure real(dp) function in_unit(bytes)
       integer(int64), intent(in) :: bytes
 
@@ -321,7 +298,6 @@ contains
 
    !> "276 MB".
    pure function bytes_text(bytes) result(text)
-      !> How many
       integer(int64), intent(in) :: bytes
       character(real_length(in_unit(bytes), 3) + 3) :: text
 

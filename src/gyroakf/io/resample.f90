@@ -1,15 +1,18 @@
 ! SPDX-License-Identifier: MIT
-!> Samples are put on the even grid by their time stamps, where the user asked for it (else their index places them).
+!> Samples are put on the even grid by their time stamps, where the user asked for it.
 !>
-!> `nearest` moves each sample to the slot of the grid that is nearest to its stamp; no value changes. `linear` interpolates
-!> between the two samples around each instant of the grid. That averages: with \(w\) the phase of the instant between its
-!> neighbors, white noise keeps \(f = \overline{w^2 + (1-w)^2}\) of its variance (2/3 where the phases are uniform), neighbors are
-!> correlated by \((1-f)/2\), and where the phase drifts slowly the Allan variance of \(m\) samples becomes $$\sigma^2(m\tau_0) =
-!> \frac{N^2}{m\tau_0}\left(1 - \frac{3(1-f)}{2m}\right),$$ at long times unchanged, at the first one half.
+!> `nearest` moves each sample to the slot of the grid that is nearest to its stamp; no value
+!> changes. `linear` interpolates between the two samples around each instant of the grid. That
+!> averages: with \(w\) the phase of the instant between its neighbors, white noise keeps
+!> \(f = \overline{w^2 + (1-w)^2}\) of its variance (2/3 where the phases are uniform), neighbors
+!> are correlated by \((1-f)/2\), and where the phase drifts slowly the Allan variance of \(m\)
+!> samples becomes
+!> $$\sigma^2(m\tau_0) = \frac{N^2}{m\tau_0}\left(1 - \frac{3(1-f)}{2m}\right),$$
+!> at long times unchanged, at the first one half.
 module gyroakf_io_resample
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_shape, only : wrapped
@@ -46,8 +49,9 @@ contains
 
       length = (maxval(t) - minval(t))/record%sample_interval
       if (length > real(most_slots*max(size(t, kind=int64), 10000_int64), dp)) then
-         call fatal_error(error, status%invalid_argument, "`resample` "//way//" would make "//format_real(length, 4)// &
-            " samples of "//integer_text(size(t, kind=int64))//": the rate of "//format_real(1.0_dp/record%sample_interval, 6)// &
+         call fatal_error(error, status%invalid_argument, "`resample` "//way//" would make "// &
+            format_real(length, 4)//" samples of "//integer_text(size(t, kind=int64))// &
+            ": the rate of "//format_real(1.0_dp/record%sample_interval, 6)// &
             " Hz does not fit the time stamps")
          return
       end if
@@ -55,13 +59,12 @@ contains
       slots = 1 + int((maxval(t) - t(1))/record%sample_interval + rounding, int64)
       if (way == "nearest") then
          phase = usual_phase(t, record%sample_interval)
-         slots = 1 + nint(maxval(t)/record%sample_interval - phase, int64) - nint(minval(t)/record%sample_interval - phase, int64)
+         slots = 1 + nint(maxval(t)/record%sample_interval - phase, int64) - &
+            nint(minval(t)/record%sample_interval - phase, int64)
       end if
       allocate (value(slots, size(record%value, 2)), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory to resample onto "//integer_text(slots)//" samples")
-         return
-      end if
+      call check_memory(failed, "resampling onto "//integer_text(slots)//" samples", error)
+      if (allocated(error)) return
       if (way == "nearest") then
          call place(t, phase, record, value)
       else
@@ -72,8 +75,8 @@ contains
       if (way == "linear") call warn_of_averages(record)
    end subroutine resample
 
-   !> Where most stamps lie between two instants of a grid that begins at 0: the circular mean, in steps from -0.5 to 0.5; that of
-   !> the first stamp where they lie everywhere.
+   !> Where most stamps lie between two instants of a grid that begins at 0: the circular mean, in
+   !> steps from -0.5 to 0.5; that of the first stamp where they lie everywhere.
    pure real(dp) function usual_phase(t, step) result(phase)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: step
@@ -123,7 +126,7 @@ contains
       record%audit%empty_slots = count(.not. filled, kind=int64)
    end subroutine place
 
-   !> The values at the instants of the grid; a row whose stamp is not behind the one before is dropped.
+   !> The values at the instants of the grid; rows whose stamp does not rise are dropped.
    subroutine interpolate(t, wrap, record, value)
       real(dp), intent(in), contiguous :: t(:)
       real(dp), intent(in) :: wrap
@@ -134,7 +137,8 @@ contains
       integer :: j
 
       step = record%sample_interval
-      widest = widest_step*(1.0_dp + rounding)*max(step, 1.0_dp/max(record%audit%stamp_rate, 1.0e-30_dp))
+      widest = widest_step*(1.0_dp + rounding)* &
+         max(step, 1.0_dp/max(record%audit%stamp_rate, 1.0e-30_dp))
       slots = size(value, 1, kind=int64)
       value(1, :) = record%value(1, :)
       kept = 1.0_dp
@@ -190,10 +194,11 @@ contains
 
       lost = 1.0_dp - record%audit%white_noise
       if (lost < 1.0e-3_dp) return
-      call add_text(record%warnings, "linear interpolation averages neighbors: white noise keeps "// &
-         format_real(record%audit%white_noise, 3)//" of its variance (2/3 where the stamps lie anywhere between the instants "// &
-         "of the grid) and neighbors are correlated; its Allan variance at m samples is low by about "// &
-         format_real(1.5_dp*lost, 2)//"/m, AR models and tests of whiteness see the filter; `resample` nearest changes no value")
+      call add_text(record%warnings, "linear interpolation averages neighbors: white noise "// &
+         "keeps "//format_real(record%audit%white_noise, 3)//" of its variance (2/3 where the "// &
+         "stamps lie anywhere between the instants of the grid) and neighbors are correlated; "// &
+         "its Allan variance at m samples is low by about "//format_real(1.5_dp*lost, 2)//"/m, "// &
+         "AR models and tests of whiteness see the filter; `resample` nearest changes no value")
    end subroutine warn_of_averages
 
 end module gyroakf_io_resample

@@ -3,7 +3,8 @@
 module gyroakf_io_row
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_date, only : kind_of_field, scan_stamp, stamp_kind
+   use gyroakf_io_date, only : scan_stamp, stamp_kind
+   use gyroakf_io_stamp_field, only : kind_of_field
    use gyroakf_io_commas, only : comma_advice, comma_found, decimal_comma
    use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_number, only : is_missing_field, number, scan_number
@@ -21,16 +22,12 @@ contains
    !>
    !> Thread-safe where `explain` is false: texts of any length are not, in gfortran.
    subroutine read_row(bytes, first, last, layout, fields, row, problem, explain)
-      !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> The columns
       type(layout_type), intent(in) :: layout
-      !> Work space, reused
       type(fields_type), intent(inout) :: fields
       !> [stored column]; NaN where missing
       real(dp), intent(out) :: row(:)
-      !> What is wrong
       type(problem_type), intent(out) :: problem
       !> False leaves out the texts
       logical, intent(in) :: explain
@@ -46,9 +43,9 @@ contains
       if (problem%found .and. .not. explain) return
       if (other .and. fields%count >= layout%where_column) then
          j = layout%where_column
-         call set_problem(problem, fields%first(j), "'"//excerpt(bytes, fields%first(j), fields%last(j))// &
-                          "' is a record of another kind than '"// &
-                          excerpt(layout%where_value, 1_int64, size(layout%where_value, kind=int64))//"' above", "read one kind")
+         call set_problem(problem, fields%first(j), "'"//excerpt(bytes, fields%first(j), &
+            fields%last(j))//"' is a record of another kind than '"//excerpt(layout%where_value, &
+            1_int64, size(layout%where_value, kind=int64))//"' above", "read one kind")
       else if (fields%open_quote /= 0) then
          call set_problem(problem, fields%open_quote, "a quote that is not closed", mend)
       else if (problem%found) then
@@ -59,7 +56,8 @@ contains
       if (problem%found) return
       do j = 1, min(layout%columns, fields%count)
          slot = layout%slot(j)
-         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), layout, j, row(slot), problem%found)
+         if (slot > 0) call read_field(bytes, fields%first(j), fields%last(j), layout, j, &
+            row(slot), problem%found)
          if (.not. problem%found) cycle
          if (explain) call field_problem(bytes, fields%first(j), fields%last(j), layout, j, problem)
          return
@@ -68,10 +66,8 @@ contains
 
    !> Splits a row; each tab parts fields where that makes as many as there are columns.
    pure subroutine split_row(bytes, first, last, layout, fields)
-      !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      !> The columns
       type(layout_type), intent(in) :: layout
       !> Its fields, a date and a time of day joined
       type(fields_type), intent(inout) :: fields
@@ -86,12 +82,10 @@ contains
       end do
    end subroutine split_row
 
-   !> Makes one field of a date and the time of day and zone behind it, where the layout says that they
-   !> are one column.
+   !> Makes one field of a date and the time of day and zone behind it where the layout joins them.
    pure subroutine join_fields(bytes, layout, fields)
-      !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Its `joined` is the column; as many are joined as there are more than `columns`, where those are known
+      !> Its `joined` is the column; as many are joined as there are more than `columns`
       type(layout_type), intent(in) :: layout
       !> One or two less where there are some to join
       type(fields_type), intent(inout) :: fields
@@ -102,7 +96,8 @@ contains
       most = min(2, fields%count - j)
       if (layout%columns > 0) most = min(most, max(1, fields%count - layout%columns))
       do behind = most, 1, -1
-         if (kind_of_field(bytes, fields%first(j), fields%last(j + behind)) /= stamp_kind%moment) cycle
+         if (kind_of_field(bytes, fields%first(j), &
+            fields%last(j + behind)) /= stamp_kind%moment) cycle
          fields%last(j) = fields%last(j + behind)
          fields%count = fields%count - behind
          do i = j + 1, fields%count
@@ -113,9 +108,8 @@ contains
       end do
    end subroutine join_fields
 
-   !> True for a row whose field in the column of the layout's condition is the value of it, as text or as a number.
+   !> True for a row that meets the layout's condition, as text or as a number.
    pure logical function agrees(bytes, fields, layout)
-      !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
       type(fields_type), intent(in) :: fields
       !> With `where_column` and `where_value`
@@ -127,7 +121,8 @@ contains
       agrees = .false.
       if (fields%count < layout%where_column) return
       associate (from => fields%first(layout%where_column), to => fields%last(layout%where_column))
-         if (to - from + 1 == size(layout%where_value)) agrees = all(bytes(from:to) == layout%where_value)
+         if (to - from + 1 == size(layout%where_value)) agrees = &
+            all(bytes(from:to) == layout%where_value)
          if (agrees .or. to < from .or. .not. ieee_is_finite(layout%where_number)) return
          p = from
          call scan_number(bytes, p, x, found)
@@ -135,12 +130,12 @@ contains
       end associate
    end function agrees
 
-   !> True where the line has the columns of the file.
    pure logical function fits(layout, fields)
       type(layout_type), intent(in) :: layout
       type(fields_type), intent(in) :: fields
 
-      fits = has_fields(fields, layout%columns) .or. (fields%count == layout%columns - 1 .and. layout%last_optional)
+      fits = has_fields(fields, layout%columns) .or. &
+         (fields%count == layout%columns - 1 .and. layout%last_optional)
    end function fits
 
    !> The number or stamp in first:last; unchanged where a number is missing, NaN where a stamp is.
@@ -171,7 +166,6 @@ contains
       end if
    end subroutine read_field
 
-   !> The stamp in first:last, NaN where it is missing.
    pure subroutine read_stamp(bytes, first, last, layout, column, value, wrong)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last

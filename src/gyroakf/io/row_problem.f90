@@ -2,7 +2,8 @@
 !> Messages about rows that cannot be read: what is wrong, and what to do.
 module gyroakf_io_row_problem
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_io_date, only : kind_of_field, stamp_kind
+   use gyroakf_io_date, only : stamp_kind
+   use gyroakf_io_stamp_field, only : kind_of_field
    use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_number, only : number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
@@ -25,35 +26,41 @@ contains
       type(layout_type), intent(in) :: layout
       integer, intent(in) :: column
       type(problem_type), intent(inout) :: problem
-      character(:), allocatable :: advice
+      character(:), allocatable :: text, what, advice
       integer(int64) :: p
       real(dp) :: x
       integer :: found, kind
 
       kind = abs(layout%kind(column))
-      if (kind /= stamp_kind%number) then
-         advice = "a date as in the first row"
-         if (kind == stamp_kind%clock) advice = "a time of day as in the first row"
-         if (any(kind == [stamp_kind%long, stamp_kind%nano, stamp_kind%micro])) advice = "a number"
-         call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not "//advice, mend)
-         return
-      end if
+      text = bytes_text(bytes, first, last)
+      what = "'"//excerpt(bytes, first, last)//"'"
+      advice = mend
       p = first
       call scan_number(bytes, p, x, found)
-      if (found /= number%none .and. p == last + 1) then
-         call set_problem(problem, first, "the number '"//excerpt(bytes, first, last)//"' is too large (at most 1.8e308)", mend)
-         return
+      if (kind == stamp_kind%clock) then
+         what = what//" is not a time of day as in the first row"
+      else if (any(kind == [stamp_kind%date, stamp_kind%moment])) then
+         what = what//" is not a date as in the first row"
+      else if (kind == stamp_kind%number .and. found /= number%none .and. p == last + 1) then
+         what = "the number "//what//" is too large (at most 1.8e308)"
+      else
+         what = what//" is not a number"
+         if (kind /= stamp_kind%number) then
+            continue
+         else if (kind_of_field(bytes, first, last) /= stamp_kind%number) then
+            advice = "the first row has a number in this column, not a date or a time of day; "// &
+               mend
+         else if (has_label(text)) then
+            advice = "the labels are not those of the first row; "//mend
+         else if (last > first .and. verify(text, "0123456789ABCDEFabcdef") == 0) then
+            advice = "hexadecimal digits are not read: decode them into numbers first"
+         else if (has_groups(text)) then
+            advice = "commas that group digits are not read: take them out"
+         else if (index(text, dash) > 0) then
+            advice = "the minus sign is not that of ASCII: replace it by '-'"
+         end if
       end if
-      advice = mend
-      if (index(bytes_text(bytes, first, last), dash) > 0) advice = "the minus sign is not that of ASCII: replace it by '-'"
-      if (has_groups(bytes_text(bytes, first, last))) advice = "commas that group digits are not read: take them out"
-      if (last > first .and. verify(bytes_text(bytes, first, last), "0123456789ABCDEFabcdef") == 0) then
-         advice = "hexadecimal digits are not read: decode them into numbers first"
-      end if
-      if (has_label(bytes_text(bytes, first, last))) advice = "the labels are not those of the first row; "//mend
-      if (kind_of_field(bytes, first, last) /= stamp_kind%number) advice = "the first row has a number in this column, not a "// &
-         "date or a time of day; "//mend
-      call set_problem(problem, first, "'"//excerpt(bytes, first, last)//"' is not a number", advice)
+      call set_problem(problem, first, what, advice)
    end subroutine field_problem
 
    !> True for "gx:0.5" and "x=-1".
@@ -63,7 +70,8 @@ contains
 
       mark = scan(text, ":=")
       has_label = mark > 1 .and. mark < len(text)
-      if (has_label) has_label = verify(text(1:1), "0123456789+-.") > 0 .and. verify(text(mark + 1:), "0123456789+-.eE") == 0
+      if (has_label) has_label = verify(text(1:1), "0123456789+-.") > 0 .and. &
+         verify(text(mark + 1:), "0123456789+-.eE") == 0
    end function has_label
 
    !> True for "1,234" and "1,234,567.8".
@@ -72,7 +80,8 @@ contains
       integer :: comma_at
 
       comma_at = index(text, ",", back=.true.)
-      has_groups = comma_at > 1 .and. scan(text//".", ".") == comma_at + 4 .and. verify(text, "+-.,0123456789") == 0
+      has_groups = comma_at > 1 .and. scan(text//".", ".") == comma_at + 4 .and. &
+         verify(text, "+-.,0123456789") == 0
    end function has_groups
 
    !> How many bytes of a field [[excerpt]] shows: no character is cut.
@@ -89,16 +98,16 @@ contains
 
    !> The start of a field, for a message.
    pure function excerpt(bytes, first, last) result(text)
-      !> The field in first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
-      character(shown_length(bytes(first:last)) + 3*count([shown_length(bytes(first:last)) < last - first + 1])) :: text
+      character(shown_length(bytes(first:last)) &
+         + 3*count([shown_length(bytes(first:last)) < last - first + 1])) :: text
 
       text = shown_bytes(bytes, first, first + shown_length(bytes(first:last)) - 1)
       if (len(text) > shown_length(bytes(first:last))) text(len(text) - 2:) = "..."
    end function excerpt
 
-   !> The problem of a row with another number of columns, at the first field that is too much or at the end.
+   !> Another number of columns: a problem at the first field that is too much or at the end.
    subroutine count_problem(bytes, first, last, layout, fields, problem)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -109,12 +118,12 @@ contains
       integer(int64) :: at
 
       advice = mend
-      if (any(bytes(first:last) == carriage_return)) advice = "a carriage return stands within the line: make all line "// &
-                                                              "ends the same"
+      if (any(bytes(first:last) == carriage_return)) advice = &
+         "a carriage return stands within the line: make all line ends the same"
       at = last + 1
       if (fields%count > layout%columns) at = fields%first(layout%columns + 1)
-      call set_problem(problem, at, integer_text(int(fields%count, int64))//trim(merge(" column ", " columns", fields%count == 1)) &
-                       //" where the rows above have "//integer_text(int(layout%columns, int64)), advice)
+      call set_problem(problem, at, integer_text(fields%count)//trim(merge(" column ", " columns", &
+         fields%count == 1)) //" where the rows above have "//integer_text(layout%columns), advice)
    end subroutine count_problem
 
    !> Fills the problem.

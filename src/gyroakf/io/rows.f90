@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Rows of numbers: the fast way through the lines that hold numbers only; [[gyroakf_io_row]] is the careful way through the rest.
+!> Rows of numbers, the fast way; [[gyroakf_io_row]] is the careful way through other lines.
 !>
-!> Both work on a block of whole lines and know nothing of files, so that blocks can be given to several threads.
+!> Both work on a block of whole lines and know nothing of files: blocks go to several threads.
 module gyroakf_io_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
@@ -18,7 +18,8 @@ module gyroakf_io_rows
    !> Bytes of a word that may stand for a missing number, and the bytes behind a field
    integer(int64), parameter :: longest_word = 11
    integer(int8), parameter :: ends(6) = [9_int8, 10_int8, 13_int8, 32_int8, 44_int8, 59_int8]
-   integer(int8), parameter :: tab = 9, line_feed = 10, carriage_return = 13, blank = 32, comma = 44, semicolon = 59
+   integer(int8), parameter :: tab = 9, line_feed = 10, carriage_return = 13, blank = 32, &
+      comma = 44, semicolon = 59
 
 contains
 
@@ -28,9 +29,7 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte of a line; afterwards that of the first line that was not read
       integer(int64), intent(inout) :: at
-      !> The last line feed
       integer(int64), intent(in) :: last
-      !> The columns
       type(layout_type), intent(in) :: layout
       !> [row, stored column]
       real(dp), intent(inout), contiguous :: value(:, :)
@@ -45,7 +44,9 @@ contains
 
       odd = .false.
       stamped = any(layout%kind /= stamp_kind%number)
-      if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) call parse_column(bytes, at, last, value(:, 1), rows)
+      if (layout%columns == 1 .and. layout%stored == 1 .and. .not. stamped) then
+         call parse_column(bytes, at, last, value(:, 1), rows)
+      end if
       capacity = size(value, 1, kind=int64)
       do while (at <= last .and. rows < capacity)
          p = at
@@ -117,17 +118,29 @@ contains
       at = p
    end subroutine parse_column
 
-   !> Reads a number that is not usual, or what stands for a missing one.
+   !> Reads a number that is not usual; NaN for a field before a comma that is empty, and for a word
+   !> that stands for a missing number; odd where it is none of these.
    pure subroutine scan_other(bytes, p, value, odd)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p
       real(dp), intent(inout) :: value
       logical, intent(out) :: odd
+      integer(int64) :: first
       integer :: found
 
       call scan_any(bytes, p, value, found)
-      odd = found /= number%ok
-      if (found == number%none) call scan_missing(bytes, p, value, odd)
+      odd = found == number%overflow
+      if (found /= number%none) return
+      value = ieee_value(1.0_dp, ieee_quiet_nan)
+      first = p
+      odd = bytes(p) == line_feed
+      if (odd .or. bytes(p) == comma) return
+      do while (p < first + longest_word .and. .not. any(bytes(p) == ends))
+         p = p + 1
+      end do
+      odd = .not. is_nan(bytes, first, p)
+      if (odd) odd = .not. is_missing_field(bytes, first, p - 1)
+      if (odd) p = first
    end subroutine scan_other
 
    !> Reads a field of a date or a time of day, wanted or not.
@@ -150,37 +163,17 @@ contains
       row(slot) = x
    end subroutine scan_time
 
-   !> NaN for a field before a comma that is empty, and for a word that stands for a missing number; odd where it is neither.
-   pure subroutine scan_missing(bytes, p, value, odd)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(inout) :: p
-      real(dp), intent(out) :: value
-      logical, intent(out) :: odd
-      integer(int64) :: first
-
-      value = ieee_value(1.0_dp, ieee_quiet_nan)
-      first = p
-      odd = bytes(p) == line_feed
-      if (odd .or. bytes(p) == comma) return
-      do while (p < first + longest_word .and. .not. any(bytes(p) == ends))
-         p = p + 1
-      end do
-      odd = .not. is_nan(bytes, first, p)
-      if (odd) odd = .not. is_missing_field(bytes, first, p - 1)
-      if (odd) p = first
-   end subroutine scan_missing
-
    !> True for the word that is met most, in any case, before a byte.
    pure logical function is_nan(bytes, first, behind)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, behind
 
       is_nan = behind == first + 3
-      if (is_nan) is_nan = ior(int(bytes(first)), 32) == 110 .and. ior(int(bytes(first + 1)), 32) == 97 &
-                           .and. ior(int(bytes(first + 2)), 32) == 110
+      if (is_nan) is_nan = ior(int(bytes(first)), 32) == 110 .and. &
+         ior(int(bytes(first + 1)), 32) == 97 .and. ior(int(bytes(first + 2)), 32) == 110
    end function is_nan
 
-   !> Moves behind a field that is not wanted; odd where it is empty, quoted or the start of a comment.
+   !> Moves behind an unwanted field; odd where it is empty, quoted or the start of a comment.
    pure subroutine skip_field(bytes, p, odd)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: p

@@ -27,9 +27,8 @@ module gyroakf_io_selection
 
 contains
 
-   !> True for a row whose field in the column of the layout is the value that is wanted, as text or as a number. Thread-safe.
+   !> True for a row that meets the layout's condition. Thread-safe.
    pure logical function is_wanted(bytes, first, last, layout)
-      !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       !> With `where_column` and `where_value`
@@ -43,7 +42,6 @@ contains
    !> Takes in COLUMN=VALUE.
    subroutine set_condition(text, names, columns, layout, error)
       character(*), intent(in) :: text
-      !> Of the file, and how many columns it has
       type(column_names_type), intent(in) :: names
       integer, intent(in) :: columns
       !> `where_column`, `where_value` and `where_number` are set
@@ -60,9 +58,8 @@ contains
       if (found /= number%ok) layout%where_number = ieee_value(1.0_dp, ieee_quiet_nan)
    end subroutine set_condition
 
-   !> Looks for a column that alternates between few values while the time stamps repeat, and says so.
+   !> Looks for a column that alternates between few values while the time stamps repeat.
    subroutine find_interleaved(field, table, what)
-      !> Of [[first_rows]]
       type(text_type), intent(in) :: field(:, :)
       !> Its columns are known; `kinds` is set where there are several sensors
       type(table_type), intent(inout) :: table
@@ -73,17 +70,19 @@ contains
 
       if (size(field, 2) > most_columns .or. size(field, 1) < 8) return
       do j = 1, size(field, 2)
-         if (j == table%time .or. any(table%class(j) == [column_class%rate, column_class%acceleration])) cycle
+         if (j == table%time .or. &
+            any(table%class(j) == [column_class%rate, column_class%acceleration])) cycle
          sensors = 0
          do k = max(1, table%time), merge(table%time, size(field, 2), table%time > 0)
             if (k /= j) sensors = max(sensors, alternating(field(:, j), field(:, k), &
                table%time > 0))
          end do
          if (sensors == 0) cycle
-         what = label_of(table%names, j)//" alternates between "// &
-            integer_text(int(sensors, int64))// &
-                " values while the time stamps repeat: "//integer_text(int(sensors, int64))//" sensors in one table"
-         call find_selector(table%names, j, column)
+         what = label_of(table%names, j)//" alternates between "//integer_text(sensors)// &
+            " values while the time stamps repeat: "//integer_text(sensors)//" sensors in one table"
+         column = ""
+         if (table%names%known) column = table%names%name(j)%text
+         if (len(column) == 0 .or. scan(column, " =()[]$*?#;&|<>'""") > 0) column = integer_text(j)
          do k = 1, sensors
             call add_text(table%kinds, column//"="//field(k, j)%text)
          end do
@@ -91,10 +90,9 @@ contains
       end do
    end subroutine find_interleaved
 
-   !> Looks for a column of words that repeat, with only times and counters before it: rows that hold another word than the first
-   !> row are wrong then. A column of words behind the samples says something about a row.
+   !> Looks for a column of words that repeat, with only times and counters before it: rows that
+   !> hold another word than the first row are wrong then. Words behind the samples describe a row.
    subroutine find_kinds_of_records(field, texts, table)
-      !> Of [[first_rows]]
       type(text_type), intent(in) :: field(:, :)
       !> Columns of words: [column]
       logical, intent(in) :: texts(:)
@@ -115,25 +113,15 @@ contains
          else if (j > 2) then
             return
          end if
-         words = count([(.not. any([(field(i, j)%text == field(k, j)%text, k=1, i - 1)]), i=1, rows)])
+         words = count([(.not. any([(field(i, j)%text == field(k, j)%text, k=1, i - 1)]), i=1, &
+            rows)])
          if (2*words > rows) cycle
-         call set_condition(integer_text(int(j, int64))//"="//field(1, j)%text, column_names_type(), table%layout%columns, &
-                            table%layout, failed)
+         call set_condition(integer_text(j)//"="//field(1, j)%text, column_names_type(), &
+            table%layout%columns, table%layout, failed)
          table%layout%strict = .not. allocated(failed)
          return
       end do
    end subroutine find_kinds_of_records
-
-   !> A column for --where: its name, or its number where it has none or one with a blank.
-   pure subroutine find_selector(names, column, text)
-      type(column_names_type), intent(in) :: names
-      integer, intent(in) :: column
-      character(:), allocatable, intent(out) :: text
-
-      text = ""
-      if (names%known) text = names%name(column)%text
-      if (len(text) == 0 .or. scan(text, " =()[]$*?#;&|<>'""") > 0) text = integer_text(int(column, int64))
-   end subroutine find_selector
 
    !> The fields of the first rows that have enough and are wanted.
    pure subroutine first_rows(bytes, first, last, layout, field, stat)
@@ -152,7 +140,8 @@ contains
       integer :: rows, j
       logical :: wanted
 
-      allocate (all_fields(max(8, min(most_rows, most_fields/max(1, layout%columns))), layout%columns), stat=stat)
+      allocate (all_fields(max(8, min(most_rows, most_fields/max(1, layout%columns))), &
+         layout%columns), stat=stat)
       if (stat /= 0) return
       rows = 0
       at = first
@@ -175,7 +164,7 @@ contains
       if (stat == 0) field(:, :) = all_fields(:rows, :)
    end subroutine first_rows
 
-   !> The number of values that a column goes through again and again while the stamps repeat in most rows; 0 where it does not.
+   !> The number of values that a column repeats while stamps repeat in most rows; 0 if it does not.
    pure integer function alternating(field, stamp, known) result(period)
       type(text_type), intent(in) :: field(:), stamp(:)
       logical, intent(in) :: known
@@ -191,10 +180,12 @@ contains
       end do
       if (4*equal < n) return
       do period = 2, min(most_sensors, n/3)
-         if (10*count([(field(i)%text == field(i - period)%text, i=period + 1, n)]) >= 9*(n - period)) exit
+         if (10*count([(field(i)%text == field(i - period)%text, i=period + 1, n)]) >= 9*(n &
+            - period)) exit
       end do
       if (period > min(most_sensors, n/3)) period = 0
-      if (.not. known .and. any([(stamp(i)%text == stamp(i - period)%text, i=period + 1, n)])) period = 0
+      if (.not. known .and. &
+         any([(stamp(i)%text == stamp(i - period)%text, i=period + 1, n)])) period = 0
    end function alternating
 
 end module gyroakf_io_selection

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A record is brought into shape: lost samples get their place, missing ones their mark, angles become rates.
+!> A record gets its shape: a place for lost samples, marks for missing ones, rates of angles.
 module gyroakf_io_shape
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
@@ -16,7 +16,8 @@ module gyroakf_io_shape
    use gyroakf_units, only : angle_to_rate_unit
    implicit none (type, external)
    private
-   public :: fill_gaps, mark_missing, make_rates, cut, wrap_of, wrapped, warn_of_wraps, largest_value, refuse_tiny
+   public :: fill_gaps, mark_missing, make_rates, cut, wrap_of, wrapped, warn_of_wraps, &
+      largest_value, refuse_tiny
 
    !> A rate beyond it is an error: the fourth powers of the statistics would overflow
    real(dp), parameter :: largest_value = 1.0e60_dp
@@ -42,10 +43,9 @@ contains
       n = size(record%value, 1, kind=int64)
       lost = sum(gaps%length(:gaps%count))
       allocate (longer(n + lost, size(record%value, 2)), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory to fill the gaps with "//integer_text(lost)//" missing samples")
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory to fill the gaps with "//integer_text(lost)//" missing samples")
+      if (allocated(error)) return
       nan = ieee_value(nan, ieee_quiet_nan)
       at = 0
       from = 1
@@ -80,17 +80,17 @@ contains
          do i = 1, size(record%value, 1, kind=int64)
             if (.not. ieee_is_nan(record%value(i, j))) then
                if (abs(record%value(i, j)) <= largest) cycle
-               call fatal_error(error, status%non_finite, "sample "//integer_text(i)//" of '"//record%channel(j)%text// &
-                                "' is "//format_real(record%value(i, j), 6)//"; at most "//format_real(largest, 3)// &
-                                " can be analyzed")
+               call fatal_error(error, status%non_finite, "sample "//integer_text(i)//" of '"// &
+                  record%channel(j)%text//"' is "//format_real(record%value(i, j), 6)// &
+                  "; at most "//format_real(largest, 3)//" can be analyzed")
                return
             end if
             if (.not. allocated(record%present)) then
-               allocate (record%present(size(record%value, 1, kind=int64), size(record%value, 2)), stat=failed)
-               if (failed /= 0) then
-                  call fatal_error(error, status%no_memory, "no memory for the marks of missing samples")
-                  return
-               end if
+               allocate (record%present(size(record%value, 1, kind=int64), size(record%value, 2)), &
+                  stat=failed)
+               if (failed /= 0) call fatal_error(error, status%no_memory, &
+                  "no memory for the marks of missing samples")
+               if (allocated(error)) return
                record%present = 1_int8
             end if
             record%present(i, j) = 0_int8
@@ -111,9 +111,10 @@ contains
       do j = 1, size(record%channel)
          largest = max(-record%audit%minimum(j), record%audit%maximum(j))
          if (largest <= 0.0_dp .or. largest >= least_value) cycle
-         call fatal_error(error, status%non_finite, "no value of '"//record%channel(j)%text//"' is larger than "// &
-                          format_real(largest, 3)//"; the largest must be "//format_real(least_value, 3)//" at least to be "// &
-                          "analyzed: multiply them by a constant (`scale`)")
+         call fatal_error(error, status%non_finite, "no value of '"//record%channel(j)%text// &
+            "' is larger than "//format_real(largest, 3)//"; the largest must be "// &
+            format_real(least_value, 3)// &
+            " at least to be analyzed: multiply them by a constant (`scale`)")
          return
       end do
    end subroutine refuse_tiny
@@ -161,11 +162,9 @@ contains
       if (wrapped > 0.5_dp*modulus) wrapped = wrapped - modulus
    end function wrapped
 
-   !> Where the angles begin again: what the option says, else the range of the integers that the file stores; 0 for nowhere.
+   !> Where angles begin again: by the option, else the range of the file's integers; 0: nowhere.
    pure real(dp) function wrap_of(options, table)
-      !> For `wrap`
       type(reader_options), intent(in) :: options
-      !> For its integers
       type(table_type), intent(in) :: table
       character(:), allocatable :: word
       integer :: found
@@ -174,7 +173,8 @@ contains
       word = "auto"
       if (allocated(options%wrap)) word = options%wrap
       if (word == "auto") then
-         if (table%integer_bits > 0 .and. table%integer_bits < 64) wrap_of = 2.0_dp**table%integer_bits
+         if (table%integer_bits > 0 .and. table%integer_bits < 64) wrap_of = &
+            2.0_dp**table%integer_bits
       else if (word /= "none") then
          call parse_number(word, wrap_of, found)
       end if
@@ -184,8 +184,8 @@ contains
    subroutine warn_of_wraps(record)
       !> Angles, before they are differenced
       type(record_type), intent(inout) :: record
-      real(dp), parameter :: usual(10) = [6.283185307179586_dp, 256.0_dp, 360.0_dp, 4096.0_dp, 16384.0_dp, 32768.0_dp, 65536.0_dp, &
-                                          16777216.0_dp, 2147483648.0_dp, 4294967296.0_dp]
+      real(dp), parameter :: usual(10) = [6.283185307179586_dp, 256.0_dp, 360.0_dp, 4096.0_dp, &
+         16384.0_dp, 32768.0_dp, 65536.0_dp, 16777216.0_dp, 2147483648.0_dp, 4294967296.0_dp]
       real(dp) :: largest, other, change
       integer(int64) :: i, times
       integer :: j, k
@@ -206,10 +206,11 @@ contains
             if (change < 0.75_dp*usual(k)) other = max(other, change)
          end do
          if (other > 0.25_dp*usual(k)) cycle
-         call add_text(record%warnings, "the angle in "//record%channel(j)%text//" jumps by nearly "//format_real(usual(k), 10)// &
-                       trim(merge(" (2^n)", "      ", k == 2 .or. k > 3))//" in "//integer_text(times)// &
-                       trim(merge(" place ", " places", times == 1))//", as a counter does that begins again; `wrap` "// &
-                       format_real(usual(k), 16)//" undoes it")
+         call add_text(record%warnings, "the angle in "//record%channel(j)%text// &
+            " jumps by nearly "//format_real(usual(k), 10)// &
+            trim(merge(" (2^n)", "      ", k == 2 .or. k > 3))//" in "//integer_text(times)// &
+            trim(merge(" place ", " places", times == 1))//", as a counter does that begins "// &
+            "again; `wrap` "//format_real(usual(k), 16)//" undoes it")
       end do
    end subroutine warn_of_wraps
 
@@ -233,10 +234,9 @@ contains
       integer :: j
 
       n = size(record%value, 1, kind=int64)
-      if (n < 2) then
-         call fatal_error(error, status%too_few_samples, "`input` angle needs at least 2 samples, got "//integer_text(n))
-         return
-      end if
+      if (n < 2) call fatal_error(error, status%too_few_samples, &
+         "`input` angle needs at least 2 samples, got "//integer_text(n))
+      if (allocated(error)) return
       do j = 1, size(record%value, 2)
          do i = 1, n - 1
             record%value(i, j) = wrapped(record%value(i + 1, j) - record%value(i, j), modulus)
@@ -262,22 +262,18 @@ contains
       if (from <= 0.0_dp .and. to >= huge(1.0_dp)) return
       n = size(record%value, 1, kind=int64)
       length = real(n, dp)*record%sample_interval
-      if (from >= length) then
-         call fatal_error(error, status%too_few_samples, "the record ends at "//format_real(length, 6)//" s, before `from` "// &
-                          format_real(from, 6))
-         return
-      end if
+      if (from >= length) call fatal_error(error, status%too_few_samples, "the record ends at "// &
+         format_real(length, 6)//" s, before `from` "//format_real(from, 6))
+      if (allocated(error)) return
       first = 1 + ceiling(from/record%sample_interval - 1.0e-6_dp, int64)
       last = n
       if (to < length) last = ceiling(to/record%sample_interval - 1.0e-6_dp, int64)
-      if (first > last) then
-         call fatal_error(error, status%too_few_samples, "no sample lies between `from` and `to`")
-         return
-      end if
+      if (first > last) call fatal_error(error, status%too_few_samples, &
+         "no sample lies between `from` and `to`")
+      if (allocated(error)) return
       call keep_rows(record, first, last, error)
    end subroutine cut
 
-   !> Keeps some of the samples.
    subroutine keep_rows(record, first, last, error)
       type(record_type), intent(inout) :: record
       integer(int64), intent(in) :: first, last
@@ -294,10 +290,9 @@ contains
          if (.not. allocated(record%present)) return
          allocate (present(last - first + 1, size(record%value, 2)), stat=failed)
       end if
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a part of the record")
-         return
-      end if
+      if (failed /= 0) call fatal_error(error, status%no_memory, &
+         "no memory for a part of the record")
+      if (allocated(error)) return
       present(:, :) = record%present(first:last, :)
       call move_alloc(present, record%present)
       if (all(record%present == 1_int8)) deallocate (record%present)

@@ -1,21 +1,23 @@
 ! SPDX-License-Identifier: MIT
 !> Bytes of a file, of standard input, of a FIFO or of the caller's memory, in blocks.
 !>
-!> Regular files are read by the system's `pread`, so that several threads can read their own pieces at a time, up to the length
-!> that they had when they were opened; where that cut a line, to the end of this line. A file that becomes shorter meanwhile is an
-!> error. Anything that may deliver in pieces (`-`, FIFOs, devices) is read by `read`, again and again until it says that there
-!> is no more. Reads that a signal interrupts are taken up again. gzip data are recognized by their
-!> first bytes, wherever they come from, and decompressed in order; their length is unknown.
+!> Regular files are read by the system's `pread`, so that several threads can read their own pieces
+!> at a time, up to the length that they had when they were opened; where that cut a line, to the
+!> end of this line. A file that becomes shorter meanwhile is an error. Anything that may deliver in
+!> pieces (`-`, FIFOs, devices) is read by `read`, again and again until it says that there is no
+!> more. Reads that a signal interrupts are taken up again. gzip data are recognized by their first
+!> bytes, wherever they come from, and decompressed in order; their length is unknown.
 module gyroakf_io_source
    use, intrinsic :: iso_c_binding, only : c_int, c_loc, c_long, c_null_char, c_short, c_size_t
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_gzip, only : inflate_bytes, inflate_end, inflater_type, is_gzip
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_system, only : c_close, c_open, c_poll, c_read, poll_type, read_at
+   use gyroakf_io_system, only : c_close, c_open, c_poll, c_read, poll_type, move_bytes
    implicit none (type, external)
    private
-   public :: source_type, open_source, read_block, read_piece, source_left, has_places, close_source, is_directory, find_reason
+   public :: source_type, open_source, read_block, read_piece, source_left, has_places, &
+      close_source, is_directory, find_reason
 
    !> An open source of bytes
    type :: source_type
@@ -38,7 +40,7 @@ module gyroakf_io_source
       type(inflater_type), pointer :: inflater => null()
    end type source_type
 
-   !> A read that fails is tried again so often: signals interrupt it, and a descriptor may be non-blocking
+   !> A read that fails is tried again so often: after a signal, or of a non-blocking descriptor
    integer, parameter :: most_tries = 1000
    !> Compressed bytes that are read at once
    integer, parameter :: input_size = 131072
@@ -62,7 +64,7 @@ contains
       character(*), intent(in) :: path
       !> Allocated where it cannot be opened: io, no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> Where associated they are the content, and the path is a name for messages; they have to stay until the source is closed
+      !> Where associated: the content, kept until the source is closed; the path is then a name
       integer(int8), pointer, contiguous, intent(in), optional :: bytes(:)
       character(:), allocatable :: reason
       logical :: exists
@@ -75,16 +77,19 @@ contains
          source%name = "<stdin>"
          source%descriptor = 0
       else if (is_directory(path)) then
-         call fatal_error(error, status%io, path//": is a directory"//new_line("a")//"give the file in it that holds the record")
+         call fatal_error(error, status%io, path//": is a directory"//new_line("a")// &
+            "give the file in it that holds the record")
       else
          inquire (file=path, exist=exists, size=source%length)
          source%length = max(source%length, 0_int64)
          if (exists) source%descriptor = c_open(path//c_null_char, 0_c_int)
          if (.not. exists) then
-            call fatal_error(error, status%io, path//": no such file"//new_line("a")//"check the path; - reads standard input")
+            call fatal_error(error, status%io, path//": no such file"//new_line("a")// &
+               "check the path; - reads standard input")
          else if (source%descriptor < 0) then
             call find_reason(path, "read", reason)
-            call fatal_error(error, status%io, path//": cannot be opened: "//reason//new_line("a")//"check the file's permissions")
+            call fatal_error(error, status%io, path//": cannot be opened: "//reason// &
+               new_line("a")//"check the file's permissions")
          end if
       end if
       if (.not. allocated(error)) call find_gzip(source, error)
@@ -132,12 +137,13 @@ contains
       call fatal_error(error, status%no_memory, source%name//": no memory to decompress it")
    end subroutine find_gzip
 
-   !> True where any place can be read at any time: regular files, the caller's bytes; none compressed.
+   !> True where any place can be read at any time: regular files and the caller's, uncompressed.
    pure logical function has_places(source)
       !> An open source
       type(source_type), intent(in) :: source
 
-      has_places = (source%length > 0 .or. associated(source%bytes)) .and. .not. associated(source%inflater)
+      has_places = (source%length > 0 .or. associated(source%bytes)) .and. &
+         .not. associated(source%inflater)
    end function has_places
 
    !> Bytes that are to come at most.
@@ -157,8 +163,7 @@ contains
       integer(int8), intent(inout), contiguous, target :: buffer(:)
       !> Bytes read; fewer than `buffer` holds only at the end of the source
       integer(int64), intent(out) :: got
-      !> Allocated where reading fails, io, where compressed data are damaged or end early, parse, and
-      !> where there is no memory to decompress them, no_memory
+      !> io; parse: compressed data are damaged or end early; no_memory to decompress them
       type(error_type), allocatable, intent(out) :: error
       logical :: failed
 
@@ -192,13 +197,16 @@ contains
       whole = .false.
       do while (got < size(buffer, kind=int64) .and. .not. whole)
          fresh = 0
-         if (source%inflater%stream%avail_in == 0) call read_pieces(source, source%inflater%input, fresh, failed)
+         if (source%inflater%stream%avail_in == 0) call read_pieces(source, source%inflater%input, &
+            fresh, failed)
          if (failed) return
          call inflate_bytes(source%inflater, fresh, buffer(got + 1:), came, whole, code, problem)
          got = got + came
          if (code == status%ok) cycle
-         problem = trim(problem)//" after "//integer_text(source%delivered + got)//" decompressed bytes"
-         if (code == status%parse) problem = trim(problem)//new_line("a")//"copy the file again; gzip -t tests it"
+         problem = trim(problem)//" after "//integer_text(source%delivered + got)// &
+            " decompressed bytes"
+         if (code == status%parse) problem = trim(problem)//new_line("a")// &
+            "copy the file again; gzip -t tests it"
          call fatal_error(error, code, source%name//": "//trim(problem))
          return
       end do
@@ -222,8 +230,8 @@ contains
          got = max(0_int64, min(size(buffer, kind=int64), size(source%bytes, kind=int64) - offset))
          buffer(:got) = source%bytes(offset + 1:offset + got)
       else
-         call read_at(source%descriptor, offset, c_loc(buffer), size(buffer, kind=int64), got, &
-                      failed)
+         call move_bytes(source%descriptor, c_loc(buffer), size(buffer, kind=int64), got, failed, &
+            offset)
       end if
    end subroutine read_piece
 
@@ -249,7 +257,8 @@ contains
       failed = .false.
       tries = 0
       do while (got < size(buffer, kind=int64))
-         piece = c_read(source%descriptor, c_loc(buffer(got + 1)), size(buffer, kind=c_size_t) - int(got, c_size_t))
+         piece = c_read(source%descriptor, c_loc(buffer(got + 1)), size(buffer, kind=c_size_t) - &
+            int(got, c_size_t))
          if (piece == 0) exit
          if (piece > 0) then
             got = got + piece

@@ -1,29 +1,29 @@
 ! SPDX-License-Identifier: MIT
 !> Some whole lines of a table, read into rows of their own: what a thread does.
 !>
-!> Nothing here builds a text or keeps a state, so that any number of spans can be read at a time; what is wrong with a line is
-!> said by who puts the spans together, for the first in the order of the file only.
+!> Nothing here builds a text or keeps a state, so that any number of spans can be read at a time;
+!> who joins them says what is wrong with the first bad line.
 module gyroakf_io_span
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_selection, only : is_wanted
    use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
-   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_no_row, last_visible, line_end_from, &
-      line_feed_from
+   use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_no_row, &
+      last_visible, line_end_from, line_feed_from
    implicit none (type, external)
    private
-   public :: span_type, read_span
+   public :: span_type, read_span, copy_rows
 
    !> What was met among some lines
    type :: tally_type
       !> Rows that were read, lines that were left behind
       integer(int64) :: rows = 0, lines = 0
-      !> Lines that could not be read and count as missing, and the first of them, counted from the start of the span
+      !> Lines that count as missing, and the first of them, counted from the start of the span
       integer(int64) :: bad_lines = 0, first_bad_line = 0
       !> Lines that repeat the names of the columns, and the first of them
       integer(int64) :: headings = 0, first_heading = 0
-      !> First byte of a line that could not be read, where nothing behind it was read; 0 where there is none
+      !> First byte of a line that could not be read, the last one looked at; 0 for none
       integer(int64) :: problem_at = 0
       !> True where there was no memory for the rows
       logical :: no_memory = .false.
@@ -51,7 +51,6 @@ contains
    subroutine read_span(bytes, layout, span)
       !> Holds the lines, and more bytes behind them
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> The columns
       type(layout_type), intent(in) :: layout
       !> `first` and `last` tell the lines; the rest is filled
       type(span_type), intent(inout) :: span
@@ -98,7 +97,7 @@ contains
       end do
    end subroutine skip_unwanted
 
-   !> Reserves at least one row more: estimated from the length of the lines at first, then from the rows so far.
+   !> Reserves at least one row more, by the length of the lines, then by the rows so far.
    pure subroutine reserve_rows(layout, at, span)
       type(layout_type), intent(in) :: layout
       integer(int64), intent(in) :: at
@@ -123,7 +122,6 @@ contains
       call move_alloc(longer, span%value)
    end subroutine reserve_rows
 
-   !> Reads the line at a byte, whatever it is, and moves behind it.
    subroutine take_odd_line(bytes, at, layout, span)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: at
@@ -140,7 +138,8 @@ contains
          if (span%headings == 0) span%first_heading = span%lines + 1
          span%headings = span%headings + 1
          no_row = .true.
-      else if (.not. no_row .or. (layout%semicolons .and. begins_with_semicolon(bytes, at, last))) then
+      else if (.not. no_row .or. &
+         (layout%semicolons .and. begins_with_semicolon(bytes, at, last))) then
          call read_row(bytes, at, last, layout, span%fields, span%row, problem, .false.)
          no_row = no_row .and. problem%found
       end if
@@ -163,7 +162,7 @@ contains
       span%lines = span%lines + 1
    end subroutine take_odd_line
 
-   !> True for a line that repeats the names of the columns, as in files that were put behind one another.
+   !> True for a line that repeats the names of the columns, as in joined files.
    pure logical function is_heading(bytes, first, last, layout)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -177,5 +176,18 @@ contains
       if (to - from + 1 /= size(layout%heading)) return
       is_heading = all(bytes(from:to) == layout%heading)
    end function is_heading
+
+   !> Copies the rows of a span behind a row of a chunk.
+   pure subroutine copy_rows(span, before, value)
+      type(span_type), intent(in) :: span
+      integer(int64), intent(in) :: before
+      !> [row, stored column]
+      real(dp), intent(inout), contiguous :: value(:, :)
+      integer :: j
+
+      do j = 1, merge(size(value, 2), 0, span%rows > 0)
+         value(before + 1:before + span%rows, j) = span%value(:span%rows, j)
+      end do
+   end subroutine copy_rows
 
 end module gyroakf_io_span

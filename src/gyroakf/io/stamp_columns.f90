@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Columns of dates and times of day: found from the first row of a table, whatever their names are.
 !>
-!> A date and a time of day may stand in one field, in two columns, or between blanks where the names or other separators count
-!> them as one column.
+!> A date and a time of day may stand in one field, in two columns, or between blanks where the
+!> names or other separators count them as one column.
 module gyroakf_io_stamp_columns
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_io_date, only : kind_of_field, is_digit, stamp_kind, stamp_origin
+   use gyroakf_io_date, only : is_digit, stamp_kind
+   use gyroakf_io_stamp_field, only : kind_of_field, stamp_origin
    use gyroakf_io_rows, only : join_fields, layout_type
    use gyroakf_io_table, only : set_slots, table_type
    use gyroakf_io_text, only : fields_type
@@ -17,8 +18,9 @@ module gyroakf_io_stamp_columns
 
 contains
 
-   !> Decides whether a date and a time of day between blanks are one column: where the names count them as one, or, without
-   !> names, where other separators part the columns. The fields are joined then.
+   !> Decides whether a date and a time of day between blanks are one column: where the names count
+   !> them as one, or, without names, where other separators part the columns. The fields are joined
+   !> then.
    pure subroutine find_joined(bytes, first, last, named, layout, fields)
       !> Holds the first row at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
@@ -39,8 +41,8 @@ contains
       do j = 1, count_fields - 1
          if (kind_of_field(bytes, fields%first(j), fields%last(j)) /= stamp_kind%date) cycle
          if (any(bytes(fields%last(j) + 1:fields%first(j + 1) - 1) /= blank)) cycle
-         if (.not. parted) parted = any(bytes(first:last) == comma .or. bytes(first:last) == semicolon .or. &
-                                        bytes(first:last) == tab)
+         if (.not. parted) parted = any(bytes(first:last) == comma .or. &
+            bytes(first:last) == semicolon .or. bytes(first:last) == tab)
          if (parted) layout%joined = j
          exit
       end do
@@ -66,15 +68,13 @@ contains
       end do
    end subroutine find_kinds
 
-   !> Sets where the columns are kept, the date that belongs to a time of day with it, or the reverse; and from what the stamps
-   !> are counted.
+   !> Sets where the columns are kept, a date and its time of day together; and the stamps' origin.
    subroutine pair_stamps(bytes, fields, table)
       !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Of the first row
       type(fields_type), intent(in) :: fields
-      !> Its columns are chosen; kinds of others than the time become those of numbers where they
-      !> can, `origin` is set
+      !> Its columns are chosen; other kinds than the time's become numbers; `origin` is set
       type(table_type), intent(inout) :: table
       integer :: j, wanted, partner
 
@@ -82,10 +82,13 @@ contains
       associate (kind => table%layout%kind, time => table%time, fraction => table%fraction, &
          chosen => table%chosen)
          do j = 1, size(kind)
-            if (kind(j) == stamp_kind%long .and. (j /= time .or. any(chosen == j))) kind(j) = stamp_kind%number
+            if (kind(j) == stamp_kind%long .and. (j /= time .or. any(chosen == j))) then
+               kind(j) = stamp_kind%number
+            end if
          end do
          if (time > 0) then
-            if (fraction > 0 .and. max(time, fraction) <= fields%count .and. all(chosen /= time .and. chosen /= fraction)) then
+            if (fraction > 0 .and. max(time, fraction) <= fields%count .and. &
+               all(chosen /= time .and. chosen /= fraction)) then
                if (all_digits(bytes, fields, time) .and. all_digits(bytes, fields, fraction)) then
                   partner = fraction
                   kind(time) = stamp_kind%long
@@ -98,7 +101,8 @@ contains
             if (wanted /= stamp_kind%number) partner = findloc(kind, wanted, dim=1)
             j = time
             if (partner > 0 .and. wanted == stamp_kind%date) j = partner
-            if (j <= fields%count) call stamp_origin(bytes, fields%first(j), kind(j), table%layout%origin)
+            if (j <= fields%count) call stamp_origin(bytes, fields%first(j), kind(j), &
+               table%layout%origin)
             if (partner > 0) kind(max(time, partner)) = -kind(max(time, partner))
          end if
       end associate

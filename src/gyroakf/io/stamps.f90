@@ -38,7 +38,8 @@ contains
          if (part(:mark) /= seconds(:mark)) cycle
          select case (part(mark + 1:))
          case ("ns", "nsec", "nsecs", "nanos", "nanosec", "nanosecs", "nanoseconds"); nano = .true.
-         case ("us", "usec", "usecs", "micros", "microsec", "microsecs", "microseconds"); nano = .false.
+         case ("us", "usec", "usecs", "micros", "microsec", "microsecs", "microseconds")
+            nano = .false.
          case default; cycle
          end select
          column = i
@@ -47,7 +48,8 @@ contains
    end subroutine fraction_of
 
    !> Seconds in the unit that the name says by its brackets or its end; 0 where it says none.
-   !> Xsens' SampleTimeFine counts in 100 us (MTi, MTw), or in us (DOT) where that would be below 2 Hz.
+   !> Xsens' SampleTimeFine counts in 100 us (MTi, MTw), or in us (DOT) where that would be below 2
+   !> Hz.
    pure real(dp) function named_scale(name, unit, step)
       !> "time_ms", or "time" with its brackets' content as unit
       character(*), intent(in) :: name, unit
@@ -60,12 +62,13 @@ contains
       call split_name(name, word)
       if (size(word) == 0) return
       named_scale = time_scale(word(size(word))%text)
-      if (word(size(word))%text == "fine") named_scale = merge(1.0e-4_dp, 1.0e-6_dp, step < 5.0e3_dp)
+      if (word(size(word))%text == "fine") named_scale = merge(1e-4_dp, 1e-6_dp, step < 5.0e3_dp)
    end function named_scale
 
-   !> Seconds in the unit that the stamps themselves suggest.
-   !> A rate that was given decides where it fits one unit within a factor of 3. Else the size of stamps that count from 1970, else
-   !> their mean step: up to 1.5 (1 where stamps are equal) s, below 1000 ms, below 10^6 us, ns. Seconds with decimals are sure.
+   !> Seconds in the unit that the stamps themselves suggest. A rate that was given decides where it
+   !> fits one unit within a factor of 3. Else the size of stamps that count from 1970, else their
+   !> mean step: up to 1.5 (1 where stamps are equal) s, below 1000 ms, below 10^6 us, ns. Seconds
+   !> with decimals are sure.
    pure subroutine infer_scale(stamps, rate_hz, scale, sure, offset)
       !> As read, NaN where missing: [n]
       real(dp), intent(in), contiguous :: stamps(:)
@@ -118,12 +121,11 @@ contains
       sure = .not. whole .and. step <= 1.5_dp .and. abs(first) <= 1.0e11_dp
       if (sure) return
       k = 1 + count(abs(first) > [1.0e11_dp, 1.0e14_dp, 1.0e17_dp])
-      if (k == 1 .and. step > merge(1.0_dp, 1.5_dp, equal)) k = 2 + &
-         count(step >= [1.0e3_dp, 1.0e6_dp])
+      if (k == 1 .and. step > merge(1.0_dp, 1.5_dp, equal)) k = 2 + count(step >= [1e3_dp, 1e6_dp])
       scale = units(k)
    end subroutine infer_scale
 
-   !> Turns hhmmss.sss of NMEA into seconds from midnight, where all stamps can be that and a minute ends in a step like others.
+   !> Turns hhmmss.sss of NMEA into seconds from midnight, where a minute ends in a usual step.
    pure subroutine unpack_clock(stamps, found)
       !> As read, NaN where missing: [n]
       real(dp), intent(inout), contiguous :: stamps(:)
@@ -138,10 +140,11 @@ contains
       do i = 1, size(stamps, kind=int64)
          if (ieee_is_nan(stamps(i))) cycle
          if (stamps(i) < 0.0_dp .or. stamps(i) >= 2.4e5_dp) exit
-         if (modulo(stamps(i), 1.0e2_dp) >= 61.0_dp .or. modulo(stamps(i), 1.0e4_dp) >= 6.0e3_dp) exit
+         if (any(modulo(stamps(i), [1.0e2_dp, 1.0e4_dp]) >= [61.0_dp, 6.0e3_dp])) exit
          step = seconds_of(stamps(i)) - seconds_of(before)
          if (step < -8.0e4_dp) step = step + 8.64e4_dp
-         found = found .or. (step > 0.5_dp*usual .and. step < 2.0_dp*usual .and. abs(stamps(i) - before) >= 40.0_dp)
+         found = found .or. (step > 0.5_dp*usual .and. step < 2.0_dp*usual .and. &
+            abs(stamps(i) - before) >= 40.0_dp)
          if (step > 0.0_dp) usual = step
          before = stamps(i)
       end do

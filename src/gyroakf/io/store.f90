@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Columns that grow while a file is read: a list of chunks, so that growing copies nothing and the whole is held once.
+!> Columns that grow while a file is read: a list of chunks, so that growing copies nothing.
 !>
-!> A chunk of a long record is so large that the system gives it a mapping of its own, and takes it back as soon as it is freed:
-!> while the chunks are joined, no more than one of them is held twice, and no more than some pages of it where the system takes
-!> back parts of an array.
+!> A chunk of a long record is so large that the system gives it a mapping of its own, and takes it
+!> back as soon as it is freed: while the chunks are joined, no more than one of them is held twice,
+!> and no more than some pages of it where the system takes back parts of an array.
 module gyroakf_io_store
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_large_pages, only : page_values, prefer_large_pages, release_pages, values_before_page
+   use gyroakf_large_pages, only : page_values, prefer_large_pages, release_pages, &
+      values_before_page
    implicit none (type, external)
    private
    public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
@@ -52,7 +53,8 @@ contains
             if (size(chunk%value, 1, kind=int64) - chunk%rows >= rows) return
          end associate
       end if
-      call add_chunk(store, max(min(expected, max(1_int64, chunk_values/columns)), rows), columns, failed)
+      call add_chunk(store, max(min(expected, max(1_int64, chunk_values/columns)), rows), &
+         columns, failed)
    end subroutine next_chunk
 
    !> Appends an empty chunk of any number of rows.
@@ -136,8 +138,7 @@ contains
          return
       end if
       allocate (value(n, size(columns)), stat=failed)
-      if (failed /= 0) return
-      allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
+      if (failed == 0) allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
       if (failed /= 0) return
       do j = 1, size(columns)
          call prefer_large_pages(value(:, j))
@@ -147,10 +148,12 @@ contains
       do i = 1, store%count
          associate (chunk => store%chunk(i))
             do j = 1, size(columns)
-               call move_rows(chunk%value(:chunk%rows, columns(j)), value(at + 1:at + chunk%rows, j), &
-                              columns(j) /= time_slot .and. all(columns(j + 1:) /= columns(j)))
+               call move_rows(chunk%value(:chunk%rows, columns(j)), &
+                  value(at + 1:at + chunk%rows, j), columns(j) /= time_slot .and. &
+                  all(columns(j + 1:) /= columns(j)))
             end do
-            if (time_slot > 0) call move_rows(chunk%value(:chunk%rows, time_slot), stamps(at + 1:at + chunk%rows), .true.)
+            if (time_slot > 0) call move_rows(chunk%value(:chunk%rows, time_slot), &
+               stamps(at + 1:at + chunk%rows), .true.)
             at = at + chunk%rows
             deallocate (chunk%value)
             chunk%rows = 0
@@ -172,8 +175,9 @@ contains
       if (is_record) is_record = all(columns == [(j, j=1, size(columns))])
    end function is_record
 
-   !> Copies rows, by several threads: the first touch of the memory takes longer than the copying. Where they are not needed again,
-   !> their memory is given back page by page, and what is copied next may come to lie in it while the caches still hold it.
+   !> Copies rows, by several threads: the first touch of the memory takes longer than the copying.
+   !> Where they are not needed again, their memory is given back page by page, and what is copied
+   !> next may come to lie in it while the caches still hold it.
    subroutine move_rows(from, to, release)
       real(dp), intent(inout), contiguous :: from(:)
       real(dp), intent(inout), contiguous :: to(:)

@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> The calls of the system (POSIX) that read and write files: explicit interfaces, and the two loops that no call spares.
+!> The POSIX calls that read and write files: interfaces, and the loops that no call spares.
 module gyroakf_io_system
-   use, intrinsic :: iso_c_binding, only : c_char, c_f_pointer, c_int, c_loc, c_long, c_ptr, c_short, c_size_t
+   use, intrinsic :: iso_c_binding, only : c_char, c_f_pointer, c_int, c_loc, c_long, c_ptr, &
+      c_short, c_size_t
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
    private
    public :: c_open, c_read, c_close, c_poll, poll_type
    public :: c_creat, c_write, c_rename, c_unlink, c_getpid, c_mkdir
-   public :: read_at, write_all
+   public :: move_bytes
 
    !> `struct pollfd` of poll.h
    type, bind(C) :: poll_type
@@ -15,7 +16,7 @@ module gyroakf_io_system
       integer(c_short) :: events, happened
    end type poll_type
 
-   !> A call that fails is tried again so often: signals interrupt it, and a descriptor may be non-blocking
+   !> A call that fails is tried again so often: after a signal, or of a non-blocking descriptor
    integer, parameter :: most_tries = 1000
 
    abstract interface
@@ -95,62 +96,40 @@ module gyroakf_io_system
 
 contains
 
-   !> Reads at a place until the buffer is full or the file ends; several threads may read one file at a time.
-   subroutine read_at(descriptor, offset, address, bytes, got, failed)
-      !> Of a regular file
+   !> Reads from a place in a file, by several threads at a time, or writes to its end, in pieces.
+   subroutine move_bytes(descriptor, address, bytes, moved, failed, offset)
+      !> Open; of a regular file where it is read
       integer(c_int), intent(in) :: descriptor
-      !> Bytes before the first that is read
-      integer(int64), intent(in) :: offset
       !> The buffer, and its size
       type(c_ptr), intent(in) :: address
       integer(int64), intent(in) :: bytes
-      !> Bytes read; fewer than `bytes` only at the end of the file and where the system refuses
-      integer(int64), intent(out) :: got
-      !> True where the system refuses
+      !> Fewer than `bytes` only at the end of a file that is read, and where the system refuses
+      integer(int64), intent(out) :: moved
+      !> True where the system refuses: a full disk, a closed pipe
       logical, intent(out) :: failed
+      !> Bytes before the first that is read; the buffer is written if absent
+      integer(int64), intent(in), optional :: offset
       integer(int8), pointer, contiguous :: buffer(:)
       integer(c_long) :: piece
       integer :: tries
 
-      got = 0
+      moved = 0
       failed = .false.
       if (bytes == 0) return
       call c_f_pointer(address, buffer, [bytes])
       tries = 0
-      do while (got < bytes .and. .not. failed)
-         piece = c_pread(descriptor, c_loc(buffer(got + 1)), int(bytes - got, c_size_t), int(offset + got, c_long))
-         if (piece == 0) return
+      do while (moved < bytes .and. .not. failed)
+         if (present(offset)) then
+            piece = c_pread(descriptor, c_loc(buffer(moved + 1)), int(bytes - moved, c_size_t), &
+               int(offset + moved, c_long))
+            if (piece == 0) return
+         else
+            piece = c_write(descriptor, c_loc(buffer(moved + 1)), int(bytes - moved, c_size_t))
+         end if
          tries = merge(0, tries + 1, piece > 0)
-         got = got + max(piece, 0_c_long)
+         moved = moved + max(piece, 0_c_long)
          failed = tries > most_tries
       end do
-   end subroutine read_at
-
-   !> Writes bytes, which the system may take in pieces.
-   subroutine write_all(descriptor, address, bytes, failed)
-      !> Open
-      integer(c_int), intent(in) :: descriptor
-      !> The first byte, and how many
-      type(c_ptr), intent(in) :: address
-      integer(int64), intent(in) :: bytes
-      !> True where the system takes no more: a full disk, a closed pipe
-      logical, intent(out) :: failed
-      integer(int8), pointer, contiguous :: piece(:)
-      integer(int64) :: from
-      integer(c_long) :: done
-      integer :: tries
-
-      failed = .false.
-      if (bytes == 0) return
-      call c_f_pointer(address, piece, [bytes])
-      from = 1
-      tries = 0
-      do while (from <= bytes .and. .not. failed)
-         done = c_write(descriptor, c_loc(piece(from)), int(bytes - from + 1, c_size_t))
-         tries = merge(0, tries + 1, done > 0)
-         from = from + max(done, 0_c_long)
-         failed = tries > most_tries
-      end do
-   end subroutine write_all
+   end subroutine move_bytes
 
 end module gyroakf_io_system

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> A table of numbers: header, names, rows, and which columns are kept. What the numbers mean is the reader's business.
+!> A table of numbers: header, names, rows, and which columns are kept.
 module gyroakf_io_table
    use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : column_class, is_time_name
@@ -11,7 +11,7 @@ module gyroakf_io_table
    use gyroakf_io_layout, only : layout_type
    use gyroakf_io_leave_out, only : analyzed_columns, classes_of, in_order
    use gyroakf_io_lines, only : line_map_type
-   use gyroakf_io_place, only : integer_text
+   use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_stamps, only : fraction_of
    use gyroakf_io_store, only : store_type
@@ -32,10 +32,10 @@ module gyroakf_io_table
       type(column_names_type) :: supposed
       !> All columns of the file, and which are kept
       type(layout_type) :: layout
-      !> The columns that hold the record, in the order wanted; and the one that holds the time, 0 where there is none
+      !> The columns that hold the record, in the order wanted; the time's, 0 for none
       integer, allocatable :: chosen(:)
       integer :: time = 0
-      !> The column of fractions of the time's seconds, 0 for none, and whether these are nanoseconds
+      !> The column of fractions of the time's seconds, 0 for none; whether in nanoseconds
       integer :: fraction = 0
       logical :: nano = .true.
       !> What each column measures, one of the components of column_class: [column]
@@ -63,25 +63,24 @@ module gyroakf_io_table
 
 contains
 
-   !> Decides on the columns of a table without text: they have no names.
-   subroutine begin_numbers(name, columns, options, table, error)
+   !> Decides on the columns of a table without text.
+   subroutine begin_numbers(name, columns, options, table, error, names)
       !> Of the file, for messages
       character(*), intent(in) :: name
-      !> How many there are
       integer(int64), intent(in) :: columns
-      !> What is wanted
       type(reader_options), intent(in) :: options
       !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: invalid_argument, parse
       type(error_type), allocatable, intent(out) :: error
+      !> Of the columns; they have none if absent
+      type(column_names_type), intent(in), optional :: names
 
       table%name = name
-      if (columns < 1 .or. columns > most_columns) then
-         call fatal_error(error, status%parse, name//": "//integer_text(columns)//" columns are not from 1 to "// &
-                          integer_text(int(most_columns, int64)))
-         return
-      end if
+      if (present(names)) table%names = names
+      if (columns < 1 .or. columns > most_columns) call fatal_error(error, status%parse, name// &
+         ": "//integer_text(columns)//" columns are not from 1 to "//integer_text(most_columns))
+      if (allocated(error)) return
       table%layout%columns = int(columns)
       allocate (table%layout%kind(columns), source=stamp_kind%number)
       call choose(options, [logical ::], table, error)
@@ -90,14 +89,12 @@ contains
 
    !> Decides which columns are kept.
    subroutine choose(options, texts, table, error)
-      !> What is wanted
       type(reader_options), intent(in) :: options
       !> Columns of words: [column], or of size 0
       logical, intent(in) :: texts(:)
       !> Its names and layout are known; the time, `class` and `chosen` are set
       type(table_type), intent(inout) :: table
-      !> Allocated where no column is left: parse; where none is what was asked for:
-      !> invalid_argument
+      !> Where no column is left: parse; where none is what was asked for: invalid_argument
       type(error_type), allocatable, intent(out) :: error
       !> What is taken for the time where no name is one
       integer, parameter :: stamps(3) = [stamp_kind%moment, stamp_kind%clock, stamp_kind%date]
@@ -106,7 +103,8 @@ contains
 
       n = table%layout%columns
       if (allocated(options%time_column)) then
-         if (options%time_column /= "none") call find_column(options%time_column, table%names, n, table%time, error)
+         if (options%time_column /= "none") call find_column(options%time_column, table%names, n, &
+            table%time, error)
          if (allocated(error)) return
       else
          do i = count_names(table%names), 1, -1
@@ -116,48 +114,54 @@ contains
             if (table%time == 0) table%time = findloc(table%layout%kind, stamps(i), dim=1)
          end do
       end if
-      if (table%time > 0 .and. table%names%known) call fraction_of(table%names%name, table%time, table%fraction, table%nano)
+      if (table%time > 0 .and. table%names%known) call fraction_of(table%names%name, table%time, &
+         table%fraction, table%nano)
       if (.not. allocated(table%header%units)) allocate (table%header%units(0))
       table%class = classes_of(table%names, table%header%units, texts, n)
       if (table%fraction > 0) table%class(table%fraction) = column_class%time
       i = table%layout%where_column
-      if (i > 0 .and. .not. table%layout%strict) table%class(i) = max(table%class(i), column_class%flag)
+      if (i > 0 .and. .not. table%layout%strict) table%class(i) = max(table%class(i), &
+         column_class%flag)
       table%asked = allocated(options%columns)
       if (table%asked) then
          call choose_columns(options%columns, table%names, n, table%chosen, error)
          if (allocated(error)) return
          i = findloc(is_stamp(table%layout%kind(table%chosen)), .true., dim=1)
-         if (i > 0) call fatal_error(error, status%invalid_argument, label_of(table%names, table%chosen(i))// &
-                                     " holds dates or times of day, not values")
+         if (i > 0) call fatal_error(error, status%invalid_argument, &
+            label_of(table%names, table%chosen(i))//" holds dates or times of day, not values")
       else
          call choose_by_class(options, table)
       end if
       if (allocated(error)) return
       if (size(table%chosen) > 0) return
       word = "every column holds dates or times of day"
-      if (table%time > 0) word = "there is no column besides the time in "//label_of(table%names, table%time)
-      call fatal_error(error, status%parse, table%name//":"// &
-                       integer_text(max(1_int64, table%names%line))//":1: "//word//new_line("a")// &
-                       "a record needs a column of numbers besides the time")
+      if (table%time > 0) word = "there is no column besides the time in "// &
+         label_of(table%names, table%time)
+      call line_error(error, table%name, max(1_int64, table%names%line), word, &
+         "a record needs a column of numbers besides the time")
    end subroutine choose
 
-   !> The columns that are kept where none was asked for: those that are analyzed; and where the time is not known, what may be it
-   !> or a counter.
+   !> The columns that are kept where none was asked for: those that are analyzed; and where the
+   !> time is not known, what may be it or a counter.
    subroutine choose_by_class(options, table)
       type(reader_options), intent(in) :: options
       type(table_type), intent(inout) :: table
       logical :: number(table%layout%columns), kept(table%layout%columns)
       integer :: i
 
-      number = [(i /= table%time .and. i /= table%fraction, i=1, size(number))] .and. .not. is_stamp(table%layout%kind)
+      number = [(i /= table%time .and. i /= table%fraction, i=1, size(number))] .and. &
+         .not. is_stamp(table%layout%kind)
       kept(:) = .false.
-      kept(pack([(i, i=1, size(kept))], number)) = analyzed_columns(pack(table%class, number), options%input /= "rate")
+      kept(pack([(i, i=1, size(kept))], number)) = analyzed_columns(pack(table%class, number), &
+         options%input /= "rate")
       associate (class => table%class)
          if (options%survey) then
             kept = number .and. class /= column_class%text .and. class /= column_class%time
          else if (table%time == 0 .and. .not. allocated(options%time_column)) then
-            kept = kept .or. (number .and. (class == column_class%unknown .or. class == column_class%counter))
-            if (table%names%known) kept = kept .or. (number .and. [(table%names%name(i)%text == "T", i=1, size(kept))])
+            kept = kept .or. &
+               (number .and. (class == column_class%unknown .or. class == column_class%counter))
+            if (table%names%known) kept = kept .or. &
+               (number .and. [(table%names%name(i)%text == "T", i=1, size(kept))])
          else if (.not. any(class == column_class%rate)) then
             kept = kept .or. (number .and. class == column_class%counter)
          end if
@@ -166,15 +170,14 @@ contains
       end associate
    end subroutine choose_by_class
 
-   !> True for a column of dates or times of day.
    elemental logical function is_stamp(kind)
       integer, intent(in) :: kind
 
       is_stamp = kind /= stamp_kind%number .and. kind /= stamp_kind%long
    end function is_stamp
 
-   !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of them. A date and a time of day
-   !> in two columns are kept in one place.
+   !> Where the columns are kept: the chosen ones in their order, then the time, unless it is one of
+   !> them. A date and a time of day in two columns are kept in one place.
    subroutine set_slots(partner, table)
       !> The column beside the time's that is kept with it, 0 for none
       integer, intent(in) :: partner

@@ -1,5 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Lines of text taken apart: fields between blanks, tabs, commas and semicolons in any mix, comments, quotes.
+!> Lines of text taken apart: fields between blanks, tabs, commas and semicolons, comments, quotes.
+!>
+!> Here and in the other modules of text a line is `bytes(first:last)`, without its end.
 module gyroakf_io_text
    use gyroakf_kinds, only : int8, int64
    implicit none (type, external)
@@ -32,14 +34,14 @@ module gyroakf_io_text
       integer(int64) :: open_quote = 0
    end type fields_type
 
-   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, hash = 35, percent = 37, apostrophe = 39
+   integer(int8), parameter :: tab = 9, blank = 32, quote = 34, hash = 35, percent = 37, &
+      apostrophe = 39
    integer(int8), parameter :: comma = 44, slash = 47, semicolon = 59, carriage_return = 13
 
 contains
 
    !> Splits a line. A `#`, `%` or `//` at the start of a field ends the line.
    pure subroutine split_line(bytes, first, last, way, fields)
-      !> Holds the line at first:last, without its end
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       !> One of the components of [[gyroakf_io_text:split]]
@@ -47,7 +49,6 @@ contains
       !> The fields; its arrays are reused
       type(fields_type), intent(inout) :: fields
       integer(int64) :: p, from, to
-      logical :: ended
 
       fields%count = 0
       fields%open_quote = 0
@@ -55,9 +56,8 @@ contains
       p = first
       do
          call skip_blanks(bytes, last, way, p)
-         ended = p > last
-         if (.not. ended) ended = comment_at(bytes, p, last)
-         if (ended) exit
+         if (p > last) exit
+         if (comment_at(bytes, p, last)) exit
          call next_field(bytes, last, way, p, from, to, fields%open_quote)
          call append(fields, from, to)
          if (fields%open_quote /= 0) return
@@ -72,7 +72,6 @@ contains
 
    !> True where a line has a field for each of so many columns; a separator may follow.
    pure logical function has_fields(fields, columns)
-      !> Of the line
       type(fields_type), intent(in) :: fields
       integer, intent(in) :: columns
 
@@ -86,13 +85,12 @@ contains
       integer, intent(in) :: way
       integer(int64), intent(inout) :: p
 
-      do while (p <= last)
-         if (bytes(p) /= blank .and. bytes(p) /= carriage_return .and. (bytes(p) /= tab .or. way /= split%mixed)) exit
-         p = p + 1
+      do p = p, last
+         if (all(bytes(p) /= [blank, carriage_return, tab])) exit
+         if (bytes(p) == tab .and. way /= split%mixed) exit
       end do
    end subroutine skip_blanks
 
-   !> True for a byte that ends a field, even an empty one.
    pure logical function separates(byte, way)
       integer(int8), intent(in) :: byte
       integer, intent(in) :: way
@@ -124,15 +122,13 @@ contains
          to = to - 1
          return
       end if
-      do while (p <= last)
+      do p = p, last
          if (separates(bytes(p), way)) exit
-         if (way /= split%names .and. (bytes(p) == blank .or. bytes(p) == tab .or. bytes(p) == carriage_return)) exit
-         p = p + 1
+         if (way /= split%names .and. any(bytes(p) == [blank, tab, carriage_return])) exit
       end do
       to = last_visible(bytes, from, p - 1)
    end subroutine next_field
 
-   !> Appends a field.
    pure subroutine append(fields, from, to)
       type(fields_type), intent(inout) :: fields
       integer(int64), intent(in) :: from, to
@@ -161,7 +157,6 @@ contains
 
    !> True for a line that is no row: it is blank or begins with `#`, `%`, `;` or `//`.
    pure logical function is_no_row(bytes, first, last)
-      !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p
@@ -171,47 +166,39 @@ contains
       if (.not. is_no_row) is_no_row = bytes(p) == semicolon .or. comment_at(bytes, p, last)
    end function is_no_row
 
-   !> True for a line that begins with `;`: a comment, or a row whose first field is empty where semicolons part the columns.
+   !> True for a line that begins with `;`: a comment, or a row whose first field is empty.
    pure logical function begins_with_semicolon(bytes, first, last)
-      !> Holds the line at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       integer(int64) :: p
 
       p = first_visible(bytes, first, last)
       begins_with_semicolon = p <= last
-      if (p <= last) begins_with_semicolon = bytes(p) == semicolon
+      if (begins_with_semicolon) begins_with_semicolon = bytes(p) == semicolon
    end function begins_with_semicolon
 
    !> First byte in first:last that is not blank; last + 1 where all are.
    pure integer(int64) function first_visible(bytes, first, last)
-      !> The text
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 
-      first_visible = first
-      do while (first_visible <= last)
+      do first_visible = first, last
          if (bytes(first_visible) < 0 .or. bytes(first_visible) > blank) exit
-         first_visible = first_visible + 1
       end do
    end function first_visible
 
    !> Last byte in first:last that is not blank; first - 1 where all are.
    pure integer(int64) function last_visible(bytes, first, last)
-      !> The text
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
 
-      last_visible = last
-      do while (last_visible >= first)
+      do last_visible = last, first, -1
          if (bytes(last_visible) < 0 .or. bytes(last_visible) > blank) exit
-         last_visible = last_visible - 1
       end do
    end function last_visible
 
    !> The first line feed from a byte on.
    pure integer(int64) function line_feed_from(bytes, at) result(feed)
-      !> Has one
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
 
@@ -223,7 +210,6 @@ contains
 
    !> The last byte of the line at a byte, without its end (line feed, carriage return).
    pure integer(int64) function line_end_from(bytes, at) result(last)
-      !> Has a line feed from there on
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
 
@@ -234,7 +220,6 @@ contains
 
    !> Bytes as a character string.
    pure function bytes_text(bytes, first, last) result(text)
-      !> The text at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       character(max(0_int64, last - first + 1)) :: text
@@ -247,7 +232,6 @@ contains
 
    !> A character string as bytes; those above 127 become negative.
    pure function text_bytes(text) result(bytes)
-      !> Any text
       character(*), intent(in) :: text
       integer(int8) :: bytes(len(text))
       integer :: i

@@ -1,20 +1,22 @@
 ! SPDX-License-Identifier: MIT
 !> The rows of a table in text, read into its store by several threads.
 !>
-!> A block of the file is cut into pieces of equal length. Each thread reads a piece of a regular file into its place, and the whole
-!> lines within it; then the lines that lie on the borders are read; then the rows of all these spans are joined in their order.
-!> What is read does not depend on the number of threads, nor on where the pieces are cut.
+!> A block of the file is cut into pieces of equal length. Each thread reads a piece of a regular
+!> file into its place, and the whole lines within it; then the lines that lie on the borders are
+!> read; then the rows of all these spans are joined in their order. What is read does not depend on
+!> the number of threads, nor on where the pieces are cut.
 module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_commas, only : make_points
-   use gyroakf_io_lines, only : check_length, end_last_line, lines_type, reserve_bytes, map_row, turn_returns
+   use gyroakf_io_lines, only : check_length, end_last_line, lines_type, reserve_bytes, map_row, &
+      turn_returns
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_rows, only : layout_type, problem_type, read_row
    use gyroakf_io_source, only : has_places, read_block, read_piece, source_left
-   use gyroakf_io_span, only : read_span, span_type
+   use gyroakf_io_span, only : copy_rows, read_span, span_type
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_type
    use gyroakf_io_text, only : fields_type, line_end_from
@@ -23,7 +25,7 @@ module gyroakf_io_text_rows
    private
    public :: read_rows
 
-   !> Bytes of a piece: text and numbers stay in a core's cache. Bytes of a block at most: pieces for 32 threads
+   !> Bytes of a piece, which stays in a core's cache, and of a block: pieces for 32 threads
    integer(int64), parameter :: piece_size = 131072, block_size = 32*piece_size
    !> Bytes that a file may have grown by within a line, see [[end_last_line]]
    integer(int64), parameter :: reserve = 4096
@@ -45,7 +47,6 @@ contains
 
    !> Reads rows into the store until it has as many as wanted, or a few more, or there are no more.
    subroutine read_rows(lines, most, table, error, progress)
-      !> Of [[begin_table]]
       type(lines_type), intent(inout) :: lines
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
@@ -56,16 +57,21 @@ contains
       !> Progress callback, in bytes read
       class(progress_type), intent(inout), optional :: progress
       type(block_type) :: block
-      integer(int64) :: missing
+      integer(int64) :: missing, row_bytes, wanted
 
       do
          missing = most - count_rows(table%store)
          if (missing <= 0) return
-         call report_progress("reading", lines%source%delivered, lines%source%length, error, progress)
+         call report_progress("reading", lines%source%delivered, lines%source%length, error, &
+            progress)
          if (allocated(error)) return
          table%whole = lines%ended .and. lines%at > lines%filled
          if (table%whole) return
-         call begin_block(lines, wanted_bytes(lines, table, missing), block, error)
+         row_bytes = 24
+         if (table%rows > 0) row_bytes = max(2_int64, lines%source%delivered/table%rows)
+         wanted = block_size
+         if (missing < block_size/row_bytes) wanted = max(piece_size, missing*row_bytes)
+         call begin_block(lines, wanted, block, error)
          if (.not. allocated(error)) call read_pieces(lines, table, block)
          if (.not. allocated(error) .and. block%by_pieces) call take_bytes(lines, block, error)
          if (.not. allocated(error)) call read_borders(lines, table, block)
@@ -73,19 +79,6 @@ contains
          if (allocated(error)) return
       end do
    end subroutine read_rows
-
-   !> Bytes of the next block: for so many rows, by the length of those that were read.
-   pure integer(int64) function wanted_bytes(lines, table, rows) result(bytes)
-      type(lines_type), intent(in) :: lines
-      type(table_type), intent(in) :: table
-      integer(int64), intent(in) :: rows
-      integer(int64) :: row_bytes
-
-      row_bytes = 24
-      if (table%rows > 0) row_bytes = max(2_int64, lines%source%delivered/table%rows)
-      bytes = block_size
-      if (rows < block_size/row_bytes) bytes = max(piece_size, rows*row_bytes)
-   end function wanted_bytes
 
    !> Decides on the next block; reads it where that cannot be left to the threads.
    subroutine begin_block(lines, wanted, block, error)
@@ -104,33 +97,24 @@ contains
          block%first = lines%filled + 1
          block%by_pieces = has_places(lines%source)
          if (.not. block%by_pieces) then
-            call read_block(lines%source, lines%bytes(block%first:lines%filled + wanted), got, error)
+            call read_block(lines%source, lines%bytes(block%first:lines%filled + wanted), got, &
+               error)
             if (allocated(error)) return
             lines%filled = lines%filled + got
             lines%ended = got < wanted
             if (lines%ended) call end_last_line(lines, error)
-            if (allocated(error)) return
          end if
       end if
       block%last = lines%filled
       block%offset = lines%source%delivered
       if (block%by_pieces) block%last = block%first - 1 + min(wanted, source_left(lines%source))
       block%pieces = int((block%last - block%first + piece_size)/piece_size)
-      call provide_spans(block)
+      if (allocated(block%span)) then                                     ! they keep their memory
+         if (size(block%span) <= 2*block%pieces) deallocate (block%span)
+      end if
+      if (.not. allocated(block%span)) allocate (block%span(2*block%pieces + 1))
    end subroutine begin_block
 
-   !> Spans for all pieces and borders; existing ones keep their memory.
-   subroutine provide_spans(block)
-      type(block_type), intent(inout) :: block
-
-      if (allocated(block%span)) then
-         if (size(block%span) > 2*block%pieces) return
-         deallocate (block%span)
-      end if
-      allocate (block%span(2*block%pieces + 1))
-   end subroutine provide_spans
-
-   !> Reads the pieces and the whole lines within them.
    subroutine read_pieces(lines, table, block)
       type(lines_type), intent(inout) :: lines
       type(table_type), intent(in) :: table
@@ -143,8 +127,8 @@ contains
          first = block%first + (k - 1)*piece_size
          last = min(first + piece_size - 1, block%last)
          if (block%by_pieces) then
-            call read_piece(lines%source, block%offset + first - block%first, lines%bytes(first:last), block%span(2*k)%got, &
-                            block%span(2*k)%failed)
+            call read_piece(lines%source, block%offset + first - block%first, &
+               lines%bytes(first:last), block%span(2*k)%got, block%span(2*k)%failed)
             last = first - 1 + block%span(2*k)%got
          end if
          if (lines%only_returns) call turn_returns(lines%bytes(first:last))
@@ -161,12 +145,13 @@ contains
       type(span_type), intent(inout) :: span
 
       if (layout%marked) call strip_lines(bytes, span%first, span%last, layout)
-      if (layout%commas /= 0 .and. span%last >= span%first) call make_points(bytes, span%first, span%last, layout%commas)
+      if (layout%commas /= 0 .and. span%last >= span%first) call make_points(bytes, span%first, &
+         span%last, layout%commas)
       call read_span(bytes, layout, span)
    end subroutine read_lines
 
-   !> The lines behind the first line feed of a piece; the last ones are left out where they are nearer to its end than
-   !> the search for digits looks ahead.
+   !> The lines behind the first line feed of a piece; the last ones are left out where they are
+   !> nearer to its end than the search for digits looks ahead.
    pure subroutine find_lines(bytes, first, last, from, to)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -192,10 +177,9 @@ contains
 
       got = 0
       do k = 1, block%pieces
-         if (block%span(2*k)%failed) then
-            call fatal_error(error, status%io, lines%source%name//": cannot be read")
-            return
-         end if
+         if (block%span(2*k)%failed) call fatal_error(error, status%io, lines%source%name// &
+            ": cannot be read")
+         if (allocated(error)) return
          got = got + block%span(2*k)%got
          if (block%span(2*k)%got < piece_size) exit
       end do
@@ -208,7 +192,7 @@ contains
       if (lines%ended) call end_last_line(lines, error)
    end subroutine take_bytes
 
-   !> Reads the lines between those that the pieces hold; none is left but what may be the start of a line.
+   !> Reads the lines on the borders of pieces; only what may be the start of a line is left.
    subroutine read_borders(lines, table, block)
       type(lines_type), intent(inout) :: lines
       type(table_type), intent(in) :: table
@@ -242,7 +226,7 @@ contains
       lines%last = feed
    end subroutine read_borders
 
-   !> Puts the rows of the spans behind those of the store, up to the first line that cannot be read.
+   !> Appends the rows of the spans to the store, up to the first line that cannot be read.
    subroutine join_spans(lines, missing, table, block, error)
       type(lines_type), intent(inout) :: lines
       integer(int64), intent(in) :: missing
@@ -259,11 +243,14 @@ contains
             before(k) = rows
             rows = rows + span%rows
             do i = 1, span%map%count
-               call map_row(table%map, table%rows + span%map%row(i), lines%number - 1 + span%map%line(i))
+               call map_row(table%map, table%rows + span%map%row(i), &
+                  lines%number - 1 + span%map%line(i))
             end do
-            if (table%bad_lines == 0 .and. span%bad_lines > 0) table%first_bad_line = lines%number - 1 + span%first_bad_line
+            if (table%bad_lines == 0 .and. span%bad_lines > 0) table%first_bad_line = &
+               lines%number - 1 + span%first_bad_line
             table%bad_lines = table%bad_lines + span%bad_lines
-            if (table%headings == 0 .and. span%headings > 0) table%first_heading = lines%number - 1 + span%first_heading
+            if (table%headings == 0 .and. span%headings > 0) table%first_heading = &
+               lines%number - 1 + span%first_heading
             table%headings = table%headings + span%headings
             table%rows = table%rows + span%rows
             lines%number = lines%number + span%lines
@@ -275,11 +262,11 @@ contains
          end associate
       end do
       if (rows == 0 .and. failed == 0) return
-      if (failed == 0) call next_chunk(table%store, table%layout%stored, failed, rows, expected_rows(lines, table, rows, missing))
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, table%name//": no memory for more than "//integer_text(table%rows)//" rows")
-         return
-      end if
+      if (failed == 0) call next_chunk(table%store, table%layout%stored, failed, rows, &
+         expected_rows(lines, table, rows, missing))
+      if (failed /= 0) call fatal_error(error, status%no_memory, table%name// &
+         ": no memory for more than "//integer_text(table%rows)//" rows")
+      if (allocated(error)) return
       associate (chunk => table%store%chunk(table%store%count))
          !$omp parallel do schedule(dynamic) if(block%pieces > 1)
          do k = 1, 2*block%pieces + 1
@@ -290,18 +277,6 @@ contains
       end associate
    end subroutine join_spans
 
-   !> Copies the rows of a span behind a row of a chunk.
-   pure subroutine copy_rows(span, before, value)
-      type(span_type), intent(in) :: span
-      integer(int64), intent(in) :: before
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer :: j
-
-      do j = 1, merge(size(value, 2), 0, span%rows > 0)
-         value(before + 1:before + span%rows, j) = span%value(:span%rows, j)
-      end do
-   end subroutine copy_rows
-
    !> So many rows may be to come, those of this block included, but not many more than are wanted.
    pure integer(int64) function expected_rows(lines, table, rows, missing) result(expected)
       type(lines_type), intent(in) :: lines
@@ -311,7 +286,8 @@ contains
 
       expected = table%rows
       if (has_places(lines%source)) then
-         left = real(source_left(lines%source), dp)*real(table%rows, dp)/real(max(lines%source%delivered, 1_int64), dp)
+         left = real(source_left(lines%source), dp)*real(table%rows, dp) &
+                /real(max(lines%source%delivered, 1_int64), dp)
          expected = rows + int(1.02_dp*left, int64) + 64
       end if
       if (missing < expected) expected = max(rows, missing + missing/4)
@@ -333,7 +309,8 @@ contains
       lines%at = at
       last = line_end_from(lines%bytes, at)
       call read_row(lines%bytes, at, last, table%layout, fields, row, problem, .true.)
-      call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, problem%what, problem%advice)
+      call place_error(error, table%name, lines%number, lines%bytes, at, last, problem%at, &
+         problem%what, problem%advice)
    end subroutine explain_problem
 
 end module gyroakf_io_text_rows

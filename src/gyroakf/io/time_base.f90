@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> The place of every sample in time: the unit of the stamps, the span that is asked for, the audit, the rate and who said so,
-!> gaps or a grid.
+!> The place of every sample in time: unit and span of the stamps, audit, rate, gaps or a grid.
 module gyroakf_io_time_base
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_stamps, gap_type
    use gyroakf_io_columns, only : label_of
    use gyroakf_io_date, only : stamp_kind
@@ -26,7 +25,7 @@ module gyroakf_io_time_base
 
 contains
 
-   !> Turns the stamps into seconds from the first, keeps the rows that are asked for and audits them.
+   !> Turns the stamps into seconds from the first, keeps the rows asked for and audits them.
    subroutine use_stamps(options, table, stamps, record, gaps, error)
       type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
@@ -47,11 +46,15 @@ contains
          call audit_stamps(stamps, record%audit, gaps, error)
          return
       end if
-      associate (slot => table%layout%slot)         ! a time of day without a date begins again at midnight
-         clock = abs(table%layout%kind(table%time)) == stamp_kind%clock .and. count(slot == slot(table%time)) == 1
-         if (table%layout%kind(table%time) == stamp_kind%number .and. .not. allocated(options%time_unit)) then
+      ! a time of day without a date begins again at midnight
+      associate (slot => table%layout%slot)
+         clock = abs(table%layout%kind(table%time)) == stamp_kind%clock .and. &
+            count(slot == slot(table%time)) == 1
+         if (table%layout%kind(table%time) == stamp_kind%number .and. &
+            .not. allocated(options%time_unit)) then
             call unpack_clock(stamps, clock)
-            if (clock) call add_text(record%warnings, label_of(table%names, table%time)//" is read as hhmmss", note=.true.)
+            if (clock) call add_text(record%warnings, label_of(table%names, table%time)// &
+               " is read as hhmmss", note=.true.)
          end if
          if (clock) call unwrap_days(stamps)
       end associate
@@ -76,8 +79,10 @@ contains
       if (allocated(error)) return
       if (record%audit%stamp_rate <= 0.0_dp) record%audit%stamp_rate = rate
       associate (audit => record%audit)
-         audit%line_of_first = [(line_of(table%map, place_with(dropped, audit%line_of_first(k), first)), k=1, 3)]
-         audit%line_of_rollover = line_of(table%map, place_with(dropped, audit%line_of_rollover, first))
+         audit%line_of_first = [(line_of(table%map, place_with(dropped, audit%line_of_first(k), &
+            first)), k=1, 3)]
+         audit%line_of_rollover = line_of(table%map, &
+            place_with(dropped, audit%line_of_rollover, first))
          audit%line_of_burst = line_of(table%map, place_with(dropped, audit%line_of_burst, first))
          audit%line_of_change = line_of(table%map, place_with(dropped, audit%line_of_change, first))
          audit%line_of_repeat = line_of(table%map, audit%line_of_repeat)
@@ -104,10 +109,8 @@ contains
       rate = 0.0_dp
       if (size(stamps) == 0 .or. (options%from <= 0.0_dp .and. options%to >= huge(1.0_dp))) return
       allocate (t(size(stamps)), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the time stamps of a span")
-         return
-      end if
+      call check_memory(failed, "the time stamps of a span", error)
+      if (allocated(error)) return
       t(:) = stamps
       call audit_stamps(t, audit, gaps, error, given)
       if (allocated(error) .or. audit%stamp_rate <= 0.0_dp) return
@@ -118,7 +121,8 @@ contains
       last = count(scale*t < options%to - 1.0e-6_dp*interval, kind=int64)
       if (first > size(t)) then
          call fatal_error(error, status%too_few_samples, "the record ends at "// &
-            format_real(scale*(t(size(t)) + interval), 6)//" s, before `from` "//format_real(options%from, 6))
+            format_real(scale*(t(size(t)) + interval), 6)//" s, before `from` "// &
+            format_real(options%from, 6))
       else if (first > last) then
          call fatal_error(error, status%too_few_samples, "no sample lies between `from` and `to`")
       end if
@@ -139,6 +143,7 @@ contains
       type(gap_type), intent(in) :: gaps
       type(record_type), intent(inout) :: record
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: what
       real(dp) :: wrap
 
       record%resample = options%resample
@@ -146,28 +151,32 @@ contains
          call fill_gaps(gaps, record, error)
          return
       end if
+      what = ""
       if (.not. record%audit%has_stamps) then
-         call fatal_error(error, status%invalid_argument, "`resample` "//options%resample//" needs time stamps, and "// &
-                          table%name//" has none that are known: name their column with `time_column`")
+         what = options%resample//" needs time stamps, and "//table%name// &
+            " has none that are known: name their column with `time_column`"
       else if (.not. record%audit%stamp_rate > 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "`resample` "//options%resample//" needs time stamps that rise, "// &
-                          "those of "//table%name//" do not")
+         what = options%resample//" needs time stamps that rise, those of "//table%name//" do not"
       else if (options%resample == "linear" .and. options%input == "increment") then
-         call fatal_error(error, status%invalid_argument, "`resample` linear between increments would not keep the angle "// &
-                          "that they add up to: use `resample` nearest or index")
-      else
-         wrap = 0.0_dp
-         if (options%input == "angle") wrap = wrap_of(options, table)
-         call resample(stamps, options%resample, wrap, record, error)
+         what = "linear between increments would not keep the angle that they add up to: "// &
+            "use `resample` nearest or index"
       end if
+      if (what /= "") then
+         call fatal_error(error, status%invalid_argument, "`resample` "//what)
+         return
+      end if
+      wrap = 0.0_dp
+      if (options%input == "angle") wrap = wrap_of(options, table)
+      call resample(stamps, options%resample, wrap, record, error)
    end subroutine place_samples
 
-   !> The rate: an option, else the stamps, else the header; stamps that contradict the header by more than 1 % do not count.
+   !> The rate: an option, else the stamps unless 1 % off the header's, else the header.
    subroutine set_rate(options, table, record, error)
       type(reader_options), intent(in) :: options
       type(table_type), intent(in) :: table
       type(record_type), intent(inout) :: record
       type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: what
       real(dp) :: rate, stamped
       logical :: differ
 
@@ -183,8 +192,9 @@ contains
       end if
       differ = .false.
       if (rate > 0.0_dp .and. stamped > 0.0_dp) differ = abs(stamped - rate) > 0.01_dp*rate
-      if (differ) call add_text(record%warnings, "the rate "//format_real(rate, 6)//" Hz of the "//record%rate_source// &
-         " and the time stamps' "//format_real(stamped, 6)//" Hz differ; the "//record%rate_source//"'s is used")
+      if (differ) call add_text(record%warnings, "the rate "//format_real(rate, 6)// &
+         " Hz of the "//record%rate_source//" and the time stamps' "//format_real(stamped, 6)// &
+         " Hz differ; the "//record%rate_source//"'s is used")
       if (stamped > 0.0_dp .and. record%rate_source /= "option" .and. .not. differ) then
          rate = stamped
          record%rate_source = "timestamps"
@@ -192,10 +202,11 @@ contains
       record%rate_known = rate > 0.0_dp
       if (record%rate_known) record%sample_interval = 1.0_dp/rate
       if (record%rate_known) return
-      if (options%input /= "rate") call fatal_error(error, status%invalid_argument, "`input` "//options%input// &
-         " needs the rate, and "//table%name//" does not tell it: give `rate_hz` or `time_column`")
-      if (options%from > 0.0_dp .or. options%to < huge(1.0_dp)) call fatal_error(error, status%invalid_argument, &
-         "`from` and `to` need the rate, and "//table%name//" does not tell it: give `rate_hz` or `time_column`")
+      what = ""
+      if (options%input /= "rate") what = "`input` "//options%input//" needs"
+      if (options%from > 0.0_dp .or. options%to < huge(rate)) what = "`from` and `to` need"
+      if (what /= "") call fatal_error(error, status%invalid_argument, what//" the rate, and "// &
+         table%name//" does not tell it: give `rate_hz` or `time_column`")
    end subroutine set_rate
 
    !> Seconds in the unit of the stamps; a warning says where it is guessed.
@@ -227,14 +238,15 @@ contains
          given = merge(options%rate_hz, table%header%rate_hz, options%rate_hz > 0.0_dp)
          call infer_scale(stamps, given, scale, sure, real(table%layout%origin, dp))
          word = trim(words(1 - nint(log10(scale)/3.0_dp)))
-         if (.not. sure) call add_text(record%warnings, "the time in "//label_of(table%names, table%time)// &
-            " names no unit and is taken as "//word//" by its step; `time_unit` "//word//" or a name such as time_"//word// &
-            " settles it"//trim(merge(", `time_column` none leaves it out where it counts rows", &
-                                      repeat(" ", 55), abs(step - 1.0_dp) < 1.0e-9_dp)))
+         if (.not. sure) call add_text(record%warnings, "the time in "// &
+            label_of(table%names, table%time)//" names no unit and is taken as "//word// &
+            " by its step; `time_unit` "//word//" or a name such as time_"//word//" settles it"// &
+            trim(merge(", `time_column` none leaves it out where it counts rows", repeat(" ", 55), &
+            abs(step - 1.0_dp) < 1.0e-9_dp)))
       end if
    end subroutine find_scale
 
-   !> What is too large for a time, and for products of times, is missing; what is too small for their quotients is 0.
+   !> Too large for a time and for products of times: missing; too small for quotients: 0.
    pure subroutine drop_absurd(stamps)
       real(dp), intent(inout), contiguous :: stamps(:)
       real(dp), parameter :: largest_stamp = 1.0e30_dp, smallest_stamp = 1.0e-30_dp

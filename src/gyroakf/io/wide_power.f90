@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> Powers of ten to 126 bits, exactly truncated: what numbers are written with; and to 63 bits, what most are read with.
+!> Powers of ten, exactly truncated: to 126 bits for writing numbers, to 63 for reading most.
 !>
-!> 10^k is the product of one of 36 powers 10^(18 a), held truncated to 186 bits, and of an exact one below 10^18. The
-!> product differs from the true power by less than 2^-60 of the last of 126 bits; that these are the exact ones for every k
-!> is tested against integers of any length.
+!> 10^k is the product of one of 36 powers 10^(18 a), held truncated to 186 bits, and of an exact
+!> one below 10^18. The product differs from the true power by less than 2^-60 of the last of 126
+!> bits; that these are the exact ones for every k is tested against integers of any length.
 module gyroakf_io_wide_power
    use gyroakf_kinds, only : int64
    implicit none (type, external)
@@ -65,16 +65,18 @@ module gyroakf_io_wide_power
    !> 10^0 to 10^17, with the highest bit moved to the place of 2^61
    integer(int64), parameter :: fine(0:17) = [(shiftl(ten(b), leadz(ten(b)) - 2), b=0, 17)]
 
-   !> 10^(18 a + b): the first 124 bits of 10^(18 a), of which the last 62 count for their upper half only, times 10^b
-   integer(int128), parameter :: product(-306:305) = &
-      [((int(word(1, a), int128)*fine(b) + shiftr(int(word(2, a), int128)*fine(b), 62), b=0, 17), a=-17, 16)]
+   !> 10^(18 a + b): the first 124 bits of 10^(18 a), 62 by their upper half only, times 10^b
+   integer(int128), parameter :: product(-306:305) = [((int(word(1, a), &
+      int128)*fine(b) + shiftr(int(word(2, a), int128)*fine(b), 62), b=0, 17), a=-17, 16)]
 
-   !> 10^-306 to 10^305: 10^k is between power and power + 1, times 2^(floor(log2(10^k)) - 62); power is in [2^62, 2^63)
-   integer(int64), parameter :: power(-306:305) = [(int(shiftr(product(a), 65 - leadz(product(a))), int64), a=-306, 305)]
+   !> 10^-306 to 10^305: 10^k is between power and power + 1, times 2^(floor(log2(10^k)) - 62);
+   !> power is in [2^62, 2^63)
+   integer(int64), parameter :: power(-306:305) = &
+      [(int(shiftr(product(a), 65 - leadz(product(a))), int64), a=-306, 305)]
 
 contains
 
-   !> The first 126 bits of 10^k: it is between bits and bits + 1, times 2^[[power_scale]]; bits is in [2^125, 2^126).
+   !> 10^k is between bits and bits + 1, times 2^[[power_scale]]; bits is in [2^125, 2^126).
    pure subroutine wide_power(k, bits)
       !> least_power to most_power
       integer, intent(in) :: k

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Files that appear whole or not at all: written aside in the same directory as NAME.partPROCESS, then renamed. What a process that
-!> was killed left aside is removed when the file is begun again.
+!> Files that appear whole or not at all: written aside in the same directory as NAME.partPROCESS,
+!> then renamed. What a process that was killed left aside is removed when the file is begun again.
 !>
 !>     call open_writer(writer, "allan.csv", error)
 !>     call put_line(writer, "tau,deviation")        ! any number of these; failures are kept
@@ -8,17 +8,18 @@
 module gyroakf_io_writer
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_loc, c_null_char
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_io_decimal, only : format_real, longest_real, real_to_text
    use gyroakf_io_source, only : find_reason, is_directory
-   use gyroakf_io_system, only : c_close, c_creat, c_getpid, c_mkdir, c_rename, c_unlink, write_all
+   use gyroakf_io_system, only : c_close, c_creat, c_getpid, c_mkdir, c_rename, c_unlink, move_bytes
    implicit none (type, external)
    private
    public :: writer_type, markup_type, open_writer, put, put_line, put_real, put_reals
    public :: complete_writer, commit_writer, discard_writer, format_real
    public :: make_directory, is_file, remove_file
 
-   !> Of a report that is written as a page: what stands open in it (see [[gyroakf_report_html_markup]])
+   !> Of a report that is written as a page: what stands open in it (see
+   !> [[gyroakf_report_html_markup]])
    type :: markup_type
       !> The report is a page; else it is plain text
       logical :: on = .false.
@@ -78,7 +79,7 @@ contains
    subroutine open_writer(writer, path, error)
       !> To be ended by [[commit_writer]] or [[discard_writer]]
       type(writer_type), intent(out) :: writer
-      !> Where the file shall appear; "-" is standard output. Devices and FIFOs are written to directly
+      !> Where the file shall appear; "-" is standard output. Devices and FIFOs are written directly
       character(*), intent(in) :: path
       !> Allocated where nothing can be written there: io, no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -89,10 +90,8 @@ contains
       writer%path = path
       writer%aside = path
       allocate (character(buffer_size) :: writer%buffer, stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory to write "//path)
-         return
-      end if
+      call check_memory(failed, "writing "//path, error)
+      if (allocated(error)) return
       if (path == "-") then
          writer%unit = 1
          return
@@ -153,7 +152,8 @@ contains
 
       if (writer%unit < 0) return
       if (writer%used + longest_real >= buffer_size) call flush_buffer(writer)
-      call real_to_text(value, digits, writer%buffer(writer%used + 1:writer%used + longest_real), length)
+      call real_to_text(value, digits, writer%buffer(writer%used + 1:writer%used + longest_real), &
+         length)
       writer%used = writer%used + length
    end subroutine put_real
 
@@ -163,28 +163,32 @@ contains
       type(writer_type), intent(inout) :: writer
       !> Any numbers
       real(dp), intent(in), contiguous, target :: values(:)
+      integer(int64) :: moved
 
       if (writer%unit < 0 .or. size(values) == 0) return
       call flush_buffer(writer)
-      if (.not. writer%failed) call write_all(writer%unit, c_loc(values), 8*size(values, kind=int64), writer%failed)
+      if (.not. writer%failed) call move_bytes(writer%unit, c_loc(values), &
+         8*size(values, kind=int64), moved, writer%failed)
    end subroutine put_reals
 
    !> Hands the buffer to the system.
    subroutine flush_buffer(writer)
       type(writer_type), intent(inout), target :: writer
+      integer(int64) :: moved
 
       if (writer%used > 0 .and. .not. writer%failed) then
-         call write_all(writer%unit, c_loc(writer%buffer), int(writer%used, int64), writer%failed)
+         call move_bytes(writer%unit, c_loc(writer%buffer), int(writer%used, int64), moved, &
+            writer%failed)
       end if
       writer%used = 0
    end subroutine flush_buffer
 
-   !> Writes the rest and closes the file, which does not appear yet: where several files belong together, all are completed
-   !> before the first one is committed.
+   !> Writes the rest and closes the file, which does not appear yet: where several files belong
+   !> together, all are completed before the first one is committed.
    subroutine complete_writer(writer, error)
       !> Nothing more can be written; to be ended by [[commit_writer]] or [[discard_writer]]
       type(writer_type), intent(inout) :: writer
-      !> Allocated where something could not be written (a full disk, a closed pipe): io; then nothing is left of it
+      !> io: something could not be written (a full disk, a closed pipe); nothing is left of it
       type(error_type), allocatable, intent(out) :: error
 
       if (writer%unit < 0) return
@@ -199,7 +203,7 @@ contains
    subroutine commit_writer(writer, error)
       !> Closed afterwards
       type(writer_type), intent(inout) :: writer
-      !> Allocated where something could not be written (a full disk, a closed pipe): io; then no file appears
+      !> io: something could not be written (a full disk, a closed pipe); no file appears
       type(error_type), allocatable, intent(out) :: error
 
       call complete_writer(writer, error)
@@ -218,7 +222,8 @@ contains
 
       if (writer%aside /= writer%path) call remove_file(writer%aside)
       if (writer%path == "-") then
-         call fatal_error(error, status%io, "standard output cannot be written: the disk is full or the reader has gone")
+         call fatal_error(error, status%io, &
+            "standard output cannot be written: the disk is full or the reader has gone")
       else
          call fatal_error(error, status%io, writer%path//": cannot be written: is the disk full?")
       end if
@@ -264,11 +269,13 @@ contains
       integer(c_int) :: ignored
       integer :: i
 
-      do i = 2, len(path) + 1                              ! one call: gfortran passes the mode of a second one by reference
+      ! one call: gfortran passes the mode of a second one by reference
+      do i = 2, len(path) + 1
          if (i <= len(path) .and. index(path(i:), "/") /= 1) cycle
          ignored = c_mkdir(path(:i - 1)//c_null_char, int(o'777', c_int))
       end do
-      if (.not. is_directory(path)) call fatal_error(error, status%io, path//": the directory cannot be made")
+      if (is_directory(path)) return
+      call fatal_error(error, status%io, path//": the directory cannot be made")
    end subroutine make_directory
 
 end module gyroakf_io_writer

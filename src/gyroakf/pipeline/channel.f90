@@ -1,39 +1,33 @@
 ! SPDX-License-Identifier: MIT
 !> Runs the stages of one channel in order; a failed stage is recorded, the others continue.
 !>
-!> Passes over the record and the memory held meanwhile: see doc/performance.md, "Passes over the record".
+!> Passes over the record and the memory held meanwhile: see doc/performance.md, "Passes over the
+!> record".
 module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_record, only : add_text, record_type
+   use gyroakf_record, only : record_type
    use gyroakf_preprocess_clean, only : clean_series
-   use gyroakf_stats_moments, only : compute_moments, moments_type
-   use gyroakf_stats_normality, only : test_jarque_bera
-   use gyroakf_pipeline_channel_correlation, only : run_stationarity, run_correlation
-   use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_stats_autocovariance, only : autocovariance_type
+   use gyroakf_stats_moments, only : compute_moments
+   use gyroakf_allan_halves, only : compare_halves, halves_options
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients
-   use gyroakf_pipeline_channel_halves, only : run_halves
-   use gyroakf_pipeline_channel_distribution, only : run_distribution, find_step
-   use gyroakf_pipeline_drift_filters, only : run_drift_filters
    use gyroakf_pipeline_channel_filters, only : run_filters
-   use gyroakf_pipeline_filter_model, only : choose_filter_model
-   use gyroakf_pipeline_shared_pass, only : plan_pass, run_adf
+   use gyroakf_pipeline_channel_model, only : run_ar
    use gyroakf_pipeline_channel_periodicity, only : run_periodicity
+   use gyroakf_pipeline_channel_tests, only : find_step, plan_pass, run_tests
+   use gyroakf_pipeline_drift_filters, only : run_drift_filters
    use gyroakf_pipeline_verdict, only : examine_means, judge
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure, warn_outliers, warn_order, warn_model, &
-      warn_curve, warn_fit, warn_halves, warn_centred
+   use gyroakf_pipeline_warnings, only : note_failure, warn_outliers, warn_curve, warn_fit, &
+      warn_halves, warn_centred
    implicit none (type, external)
    private
    public :: run_channel
 
    !> A mean below this share of the standard deviation is left in the series that is filtered
    real(dp), parameter :: negligible_mean = 1.0e-6_dp
-
-   !> An AR order is compared where there are so many samples for each
-   integer(int64), parameter :: fewest_for_order = 4
 
 contains
 
@@ -55,7 +49,6 @@ contains
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: present_samples(:)
-      logical :: drift
 
       call compute_moments(x, channel%raw, valid)
       channel%level = channel%raw
@@ -63,12 +56,13 @@ contains
       channel%clean%mean = channel%raw%mean
       channel%clean%variance = channel%raw%variance
       if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
-         call clean_series(x, options%clean, cleaned, present_samples, channel%clean, error, valid, progress)
-         if (is_fatal(error)) return
+         call clean_series(x, options%clean, cleaned, present_samples, channel%clean, error, &
+                           valid, progress)
          channel%available%preprocess = .not. allocated(error)
          channel%available%cleaned = channel%available%preprocess .and. &
-            & (options%clean%degree >= 0 .or. channel%clean%removed > 0)
+            (options%clean%degree >= 0 .or. channel%clean%removed > 0)
          call note_failure(channel, "outliers and trend", error)
+         if (allocated(error)) return
       end if
       if (channel%available%preprocess) then
          call compute_moments(cleaned, channel%cleaned, present_samples)
@@ -82,10 +76,9 @@ contains
       end if
       if (allocated(error)) return
       if (allocated(cleaned) .and. .not. options%keep_series) deallocate (cleaned)
-      drift = options%do_filter .and. all(options%design_only /= ["kf ", "akf"])
-      if (drift .and. channel%available%preprocess) then
+      if (options%do_filter .and. channel%available%preprocess) then
          call run_drift_filters(record, x, options, channel, error, present_samples, progress)
-      else if (drift) then
+      else if (options%do_filter) then
          call run_drift_filters(record, x, options, channel, error, valid, progress)
       end if
       if (allocated(channel%true_drift)) deallocate (channel%true_drift)
@@ -113,158 +106,84 @@ contains
       integer(int8), intent(in), optional :: valid(:), recorded(:)
       class(progress_type), intent(inout), optional :: progress
       type(autocovariance_type) :: shared
-      logical :: trend
+      integer(int64) :: n
+      logical :: trend, described
 
-      if (options%do_tests .or. options%do_allan) call find_step(x, channel, error, valid, progress)
-      if (allocated(error)) return
-      if (options%do_tests .or. options%do_allan) call examine_means(x, channel, error, valid)
+      n = size(z, kind=int64)
+      described = options%do_tests .or. options%do_allan
+      if (described) call find_step(x, channel, error, valid, progress)
+      if (described .and. .not. allocated(error)) call examine_means(x, channel, error, valid)
       if (allocated(error)) return
       trend = channel%available%preprocess .and. options%clean%degree >= 0
       if (options%do_tests .and. trend .and. .not. options%test_cleaned) then
          call run_tests(x, channel%level, options, channel, shared, error, valid, progress)
-         call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
+         call plan_pass(n, options, channel%cleaned, shared)
       else
          if (trend) channel%tested = "cleaned series"
-         if (options%do_tests) call run_tests(z, channel%cleaned, options, channel, shared, error, valid, progress)
-         if (.not. options%do_tests) call plan_pass(size(z, kind=int64), options, channel%cleaned, shared)
+         if (options%do_tests) call run_tests(z, channel%cleaned, options, channel, shared, error, &
+                                              valid, progress)
+         if (.not. options%do_tests) call plan_pass(n, options, channel%cleaned, shared)
       end if
       if (allocated(error)) return
       if (index(options%design_only, "drift") == 1) return
       if (options%do_ar .or. options%do_filter) then
-         call report_progress("AR model", 0_int64, size(z, kind=int64), error, progress)
-         if (allocated(error)) return
-         call run_ar(z, options, channel, shared, error, valid, progress)
-         if (allocated(error)) return
-         call warn_model(channel)
-      end if
-      if (options%do_tests) call run_periodicity(z, record%sample_interval, record%rate_known, options, channel, error, valid, &
-                                                 progress)
-      if (allocated(error)) return
-      if (options%do_allan) then
-         call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%input, channel, error, &
-                        recorded, progress)
-         if (allocated(error)) return
-         if (channel%clean%removed > 0) then
-            call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, stage%outliers_removed, channel, &
-                           error, valid, progress)
-            if (allocated(error)) return
-         end if
-         if (channel%available%cleaned .and. options%clean%degree < 0) then
-            channel%allan(stage%cleaned) = channel%allan(stage%outliers_removed)
-         else if (channel%available%cleaned) then
-            call run_allan(z, record%sample_interval, record%rate_known, record%unit, options, stage%cleaned, channel, error, &
-                           valid, progress)
-         else
-            channel%allan(stage%cleaned) = channel%allan(stage%input)
-         end if
+         call report_progress("AR model", 0_int64, n, error, progress)
+         if (.not. allocated(error)) call run_ar(z, options, channel, shared, error, valid, &
+            progress)
          if (allocated(error)) return
       end if
-      if (options%do_tests .or. options%do_allan) call judge(x, record, options, channel, error, valid, progress)
-      if (allocated(error)) return
-      if (options%do_allan) then
+      if (options%do_tests) call run_periodicity(z, record, options, channel, error, valid, &
+         progress)
+      if (options%do_allan .and. .not. allocated(error)) then
+         call run_curves(record, x, z, options, channel, error, valid, recorded, progress)
+      end if
+      if (described .and. .not. allocated(error)) then
+         call judge(x, record, options, channel, error, valid, progress)
+      end if
+      if (options%do_allan .and. .not. allocated(error)) then
          call warn_curve(channel, record)
          call warn_fit(channel)
-         call report_progress("comparing the halves", 0_int64, size(x, kind=int64), error, progress)
+         call report_progress("comparing the halves", 0_int64, n, error, progress)
          if (allocated(error)) return
-         call run_halves(x, record%sample_interval, options, channel, error, recorded, progress)
-         if (allocated(error)) return
-         call warn_halves(channel, record%rate_known)
+         if (channel%allan(stage%input)%noise%described) then
+            call compare_halves(x, record%sample_interval, channel%allan(stage%input)%noise, &
+                                halves_options(min_coverage=options%allan%min_coverage), &
+                                channel%halves, error, recorded, progress)
+            channel%available%halves = .not. allocated(error)
+            call note_failure(channel, "comparison of the record's halves", error)
+         end if
+         if (.not. allocated(error)) call warn_halves(channel, record%rate_known)
       end if
-      if (options%do_filter .and. channel%available%ar) then
+      if (options%do_filter .and. channel%available%ar .and. .not. allocated(error)) then
          call filter_centred(record, z, options, channel, error, valid, progress)
-         if (allocated(error)) return
-         call compare_coefficients(channel)
+         if (.not. allocated(error)) call compare_coefficients(channel)
       end if
    end subroutine analyze
 
-   !> Stationarity, normality, whiteness, distribution.
-   subroutine run_tests(z, moments, options, channel, shared, error, valid, progress)
-      real(dp), intent(in), contiguous :: z(:)
-      !> Of the series
-      type(moments_type), intent(in) :: moments
+   !> Allan curves as read, without outliers, and cleaned.
+   subroutine run_curves(record, x, z, options, channel, error, valid, recorded, progress)
+      type(record_type), intent(in) :: record
+      !> As those of analyze
+      real(dp), intent(in), contiguous :: x(:), z(:)
       type(pipeline_options), intent(in) :: options
       type(channel_result_type), intent(inout) :: channel
-      !> Filled
-      type(autocovariance_type), intent(out) :: shared
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
+      integer(int8), intent(in), optional :: valid(:), recorded(:)
       class(progress_type), intent(inout), optional :: progress
 
-      call report_progress("testing", 0_int64, 3*size(z, kind=int64), error, progress)
-      if (allocated(error)) return
-      call plan_pass(size(z, kind=int64), options, moments, shared)
-      call run_adf(z, options, channel, shared, error, valid, progress)
-      if (allocated(error)) return
-      call run_stationarity(z, options, channel, error, valid, progress)
-      if (allocated(error)) return
-      call test_jarque_bera(moments, channel%jarque_bera, error)
-      if (is_fatal(error)) return
-      channel%available%jarque_bera = .not. allocated(error)
-      call note_failure(channel, "Jarque-Bera test", error)
-      call report_progress("testing", 2*size(z, kind=int64), 3*size(z, kind=int64), error, progress)
-      if (allocated(error)) return
-      call run_correlation(z, options, channel, error, valid, shared, progress)
-      if (allocated(error)) return
-      call run_distribution(z, options, channel, error, valid, progress)
-   end subroutine run_tests
-
-   !> The AR model, of the whole series or of the paper's orders.
-   subroutine run_ar(z, options, channel, shared, error, valid, progress)
-      real(dp), intent(in), contiguous :: z(:)
-      type(pipeline_options), intent(in) :: options
-      type(channel_result_type), intent(inout) :: channel
-      type(autocovariance_type), intent(in) :: shared
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      type(ar_options) :: asked
-
-      asked = options%ar
-      if (asked%order < 0) asked%max_order = int(min(int(asked%max_order, int64), channel%cleaned%count/fewest_for_order))
-      call fit_ar(z, asked, channel%ar, error, valid, shared, progress)
-      if (.not. allocated(error) .and. options%preset == "paper" .and. channel%ar%order == 0) then
-         call fit_positive_order(z, asked, channel%ar, error, valid, progress)
+      call run_allan(x, record, options, stage%input, channel, error, recorded, progress)
+      if (channel%clean%removed > 0 .and. .not. allocated(error)) then
+         call run_allan(x, record, options, stage%outliers_removed, channel, error, valid, progress)
       end if
-      if (is_fatal(error)) return
-      channel%available%ar = .not. allocated(error)
-      call note_failure(channel, "AR model", error)
-      if (.not. channel%available%ar) return
-      call warn_order(channel)
-      if (asked%max_order < options%ar%max_order) call warn_capped(asked%max_order, channel)
-      call choose_filter_model(z, asked, channel, error, valid, progress)
-   end subroutine run_ar
-
-   !> Fewer orders were compared than were asked for.
-   subroutine warn_capped(most, channel)
-      !> The largest
-      integer, intent(in) :: most
-      type(channel_result_type), intent(inout) :: channel
-      character(80) :: text
-
-      write (text, '("the record is short: AR orders up to ", i0, " are compared")') most
-      call add_text(channel%warnings, trim(text), note=.true.)
-   end subroutine warn_capped
-
-   !> The paper compares the orders from 1 on: the best of them, where order 0 would win.
-   subroutine fit_positive_order(z, options, model, error, valid, progress)
-      real(dp), intent(in), contiguous :: z(:)
-      type(ar_options), intent(in) :: options
-      type(ar_model_type), intent(inout) :: model
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      type(ar_options) :: fixed
-      integer :: i, best
-
-      best = lbound(model%table, 1) + 1
-      do i = best + 1, ubound(model%table, 1)
-         if (model%table(i)%aic < model%table(best)%aic) best = i
-      end do
-      fixed = options
-      fixed%order = 1
-      if (best <= ubound(model%table, 1)) fixed%order = model%table(best)%order
-      call fit_ar(z, fixed, model, error, valid, progress=progress)
-   end subroutine fit_positive_order
+      if (allocated(error)) return
+      if (.not. channel%available%cleaned) then
+         channel%allan(stage%cleaned) = channel%allan(stage%input)
+      else if (options%clean%degree < 0) then
+         channel%allan(stage%cleaned) = channel%allan(stage%outliers_removed)
+      else
+         call run_allan(z, record, options, stage%cleaned, channel, error, valid, progress)
+      end if
+   end subroutine run_curves
 
    !> Filters the series without its mean; a copy is made only where the mean counts.
    subroutine filter_centred(record, z, options, channel, error, valid, progress)
@@ -289,7 +208,8 @@ contains
       end if
       centred(:) = z - channel%cleaned%mean
       call warn_centred(channel)
-      call run_filters(record, centred, channel%cleaned%mean, options, channel, error, valid, progress)
+      call run_filters(record, centred, channel%cleaned%mean, options, channel, error, valid, &
+                       progress)
    end subroutine filter_centred
 
 end module gyroakf_pipeline_channel

@@ -1,19 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> The drift of one channel: identified from the record as read, its processes stated in the units of the report.
+!> The drift of one channel: identified from the record as read, its processes stated in the units
+!> of the report.
 module gyroakf_pipeline_channel_drift
    use gyroakf_kinds, only : dp, int8
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
-   use gyroakf_units, only : unit_type
+   use gyroakf_record, only : record_type
    use gyroakf_allan_noise_fit, only : coefficient_type
    use gyroakf_allan_noise_model, only : term_walk
    use gyroakf_io_decimal, only : format_real
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_filter_warnings, only : colored, significant
-   use gyroakf_filter_drift_identification, only : drift_identification_options, identify_drift_model
+   use gyroakf_filter_drift_identification, only : drift_identification_options, &
+      identify_drift_model
    use gyroakf_pipeline_coefficients, only : state_one
-   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options, stage
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options, &
+      stage
+   use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
    public :: find_drift, judge_model, smoothed_share
@@ -25,16 +28,13 @@ module gyroakf_pipeline_channel_drift
 
 contains
 
-   !> Identifies the drift; what is not slower than `drift_tau` is noise. A failure is noted in the channel.
-   subroutine find_drift(z, step, rate_known, unit, options, channel, error, valid, progress)
+   !> Identifies the drift; what is not slower than `drift_tau` is noise. A failure is noted in the
+   !> channel.
+   subroutine find_drift(z, record, options, channel, error, valid, progress)
       !> Record as read without its outliers, less its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Sample interval in s, 1 where no rate is known
-      real(dp), intent(in) :: step
-      !> The interval is in seconds
-      logical, intent(in) :: rate_known
-      !> Unit of the series
-      type(unit_type), intent(in) :: unit
+      !> Sample interval and unit
+      type(record_type), intent(in) :: record
       !> Of the main job
       type(pipeline_options), intent(in) :: options
       !> `drift` and what is stated of it are filled
@@ -46,61 +46,67 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(drift_identification_options) :: how
+      real(dp) :: step
 
+      step = record%sample_interval
       channel%drift_tau = options%drift_tau
-      if (channel%drift_tau <= 0.0_dp) channel%drift_tau = max(drift_samples*step, merge(drift_seconds, 0.0_dp, rate_known))
+      if (channel%drift_tau <= 0.0_dp) channel%drift_tau = &
+         max(drift_samples*step, merge(drift_seconds, 0.0_dp, record%rate_known))
       how = options%identification
       how%drift_samples = min(channel%drift_tau, longest_time)/step
       call identify_drift_model(z, how, channel%drift, error, valid, progress)
-      if (is_fatal(error)) return
       channel%available%drift = .not. allocated(error)
       call note_failure(channel, "drift identification", error)
       if (.not. channel%available%drift) channel%drift%found = .false.
-      if (channel%available%drift) call state_drift(step, rate_known, unit, channel)
+      if (channel%available%drift) call state_drift(record, channel)
    end subroutine find_drift
 
    !> States the model: times in s, standard deviations, the random walk as a coefficient K.
-   subroutine state_drift(step, rate_known, unit, channel)
-      !> As of find_drift
-      real(dp), intent(in) :: step
-      logical, intent(in) :: rate_known
-      type(unit_type), intent(in) :: unit
+   subroutine state_drift(record, channel)
+      type(record_type), intent(in) :: record
       !> `drift` is filled
       type(channel_result_type), intent(inout) :: channel
       integer :: i
 
       if (allocated(channel%drift_process)) deallocate (channel%drift_process)
       associate (drift => channel%drift)
-         channel%drift_time = drift%correlation_samples*step
+         channel%drift_time = drift%correlation_samples*record%sample_interval
          if (drift%errors_known .and. drift%white_std > 0.0_dp) channel%white_std_error = &
             0.5_dp*drift%std_error%r/drift%white_std
          allocate (channel%drift_process(drift%model%count))
          do i = 1, drift%model%count
-            call state_process(drift%model, drift%std_error, i, step, channel%drift_process(i))
+            call state_process(drift%model, drift%std_error, i, record, channel%drift_process(i))
             channel%drift_process(i)%slow = drift%slow(i)
-            if (channel%drift_process(i)%walk) call state_walk(step, rate_known, unit, channel%drift_process(i))
          end do
       end associate
    end subroutine state_drift
 
-   !> One process: $$ T = -\frac{t_0}{\ln\phi}, \quad \mathrm{d}T = \frac{T^2}{t_0\,\phi}\,\mathrm{d}\phi, \quad
-   !> \sigma^2 = \frac{q}{1 - \phi^2} $$
-   pure subroutine state_process(model, std_error, i, step, process)
+   !> One process:
+   !> $$ T = -\frac{t_0}{\ln\phi}, \quad \mathrm{d}T = \frac{T^2}{t_0\,\phi}\,\mathrm{d}\phi,
+   !>    \quad \sigma^2 = \frac{q}{1 - \phi^2} $$
+   !> The random walk is also stated as the coefficient K, \( K = \sqrt{q/t_0} \), in the unit of
+   !> Table III.
+   subroutine state_process(model, std_error, i, record, process)
       !> The model and its standard errors, 0 where they are not known
       type(component_model_type), intent(in) :: model, std_error
       !> Which of its processes
       integer, intent(in) :: i
-      !> Sample interval
-      real(dp), intent(in) :: step
+      type(record_type), intent(in) :: record
       !> Stated
       type(drift_process_type), intent(inout) :: process
+      type(coefficient_type) :: k
 
-      associate (phi => model%phi(i), q => model%q(i))
+      associate (phi => model%phi(i), q => model%q(i), step => record%sample_interval)
          process%phi = phi
          process%walk = phi >= 1.0_dp
          if (process%walk) then
             process%std = sqrt(q)
             if (q > 0.0_dp) process%std_error = 0.5_dp*std_error%q(i)/sqrt(q)
+            k%value = process%std/sqrt(step)
+            k%std_error = process%std_error/sqrt(step)
+            k%fitted = .true.
+            k%detected = .true.
+            call state_one(k, 4, record%rate_known, record%unit, process%k)
             return
          end if
          process%phi_error = std_error%phi(i)
@@ -111,58 +117,49 @@ contains
       end associate
    end subroutine state_process
 
-   !> The random walk as the coefficient K, $ K = \sqrt{q/t_0} $, in the unit of Table III.
-   subroutine state_walk(step, rate_known, unit, process)
-      !> As of find_drift
-      real(dp), intent(in) :: step
-      logical, intent(in) :: rate_known
-      type(unit_type), intent(in) :: unit
-      !> Its k is set
-      type(drift_process_type), intent(inout) :: process
-      type(coefficient_type) :: k
-
-      k%value = process%std/sqrt(step)
-      k%std_error = process%std_error/sqrt(step)
-      k%fitted = .true.
-      k%detected = .true.
-      call state_one(k, 4, rate_known, unit, process%k)
-   end subroutine state_walk
-
-   !> Whether the model describes the record: its Kalman filter leaves white innovations, and the Allan deviation does not exclude
-   !> its K. K is stated only then, and where the verdict does not exclude a random walk.
+   !> Whether the model describes the record: its Kalman filter leaves white innovations, and the
+   !> Allan deviation does not exclude its K. K is stated only then, and where the verdict does not
+   !> exclude a random walk.
    pure subroutine judge_model(channel)
       !> `drift_doubt` is set, and whether K is stated
       type(channel_result_type), intent(inout) :: channel
       !> Standard errors that two K may differ
       real(dp), parameter :: most_errors = 3.0_dp
+      character(:), allocatable :: doubt
       integer :: i, which
 
-      which = merge(stage%outliers_removed, stage%input, channel%allan(stage%outliers_removed)%available)
-      associate (test => channel%drift_kf%ljung_box, allan => channel%allan(which)%stated%term(term_walk))
-         if (channel%available%drift_kf .and. test%p_value < significant .and. test%largest_rho > colored) then
-            channel%drift_doubt = "the innovations of its Kalman filter are not white, with an autocorrelation of "// &
-                                  format_real(test%largest_rho, 2)
+      which = merge(stage%outliers_removed, stage%input, &
+                    channel%allan(stage%outliers_removed)%available)
+      associate (test => channel%drift_kf%ljung_box, verdict => channel%verdict, &
+                 allan => channel%allan(which)%stated%term(term_walk))
+         if (channel%available%drift_kf .and. test%p_value < significant .and. &
+             test%largest_rho > colored) then
+            channel%drift_doubt = "the innovations of its Kalman filter are not white, with an "// &
+               "autocorrelation of "//format_real(test%largest_rho, 2)
          end if
          do i = 1, size(channel%drift_process)
             if (.not. channel%drift_process(i)%walk) cycle
             associate (k => channel%drift_process(i)%k)
+               doubt = ""
                if (allan%state == "limit" .and. k%value > allan%upper_limit) then
-                  channel%drift_doubt = "its K = "//format_real(k%value, 3)//" is above the limit of the Allan deviation, "// &
-                                        format_real(allan%upper_limit, 3)//" "//k%unit
+                  doubt = " is above the limit of the Allan deviation, "// &
+                     format_real(allan%upper_limit, 3)
                else if (allan%state == "value" .and. channel%drift%errors_known .and. &
-                        abs(k%value - allan%value) > most_errors*hypot(k%std_error, allan%std_error)) then
-                  channel%drift_doubt = "its K = "//format_real(k%value, 3)//" is not that of the Allan deviation, "// &
-                                        format_real(allan%value, 3)//" "//k%unit
+                        abs(k%value - allan%value) > &
+                        most_errors*hypot(k%std_error, allan%std_error)) then
+                  doubt = " is not that of the Allan deviation, "//format_real(allan%value, 3)
                end if
-               k%detected = .not. allocated(channel%drift_doubt) .and. (.not. channel%verdict%known .or. &
-                            (index(channel%verdict%drift, "random_walk") > 0 .and. allan%state /= "withheld"))
+               if (doubt /= "") channel%drift_doubt = "its K = "//format_real(k%value, 3)//doubt// &
+                  " "//k%unit
+               k%detected = .not. allocated(channel%drift_doubt) .and. (.not. verdict%known .or. &
+                  (index(verdict%drift, "random_walk") > 0 .and. allan%state /= "withheld"))
             end associate
          end do
       end associate
    end subroutine judge_model
 
-   !> Share of a constant rotation that the smoothed drift takes up: all of it with a random walk, else that of the drift in the
-   !> spectrum of the model at frequency 0.
+   !> Share of a constant rotation that the smoothed drift takes up: all of it with a random walk,
+   !> else that of the drift in the spectrum of the model at frequency 0.
    pure real(dp) function smoothed_share(channel) result(share)
       !> A drift is found
       type(channel_result_type), intent(in) :: channel

@@ -1,25 +1,28 @@
 ! SPDX-License-Identifier: MIT
-!> The paper's filters of one channel: Kalman and adaptive Kalman filter of the cleaned series.
+!> The four filters of one channel, and the series of the paper's two: Kalman and adaptive Kalman
+!> filter of the cleaned series.
 module gyroakf_pipeline_channel_filters
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_filter_kalman, only : filter_type
+   use gyroakf_filter_design, only : design_akf, design_drift_akf, design_drift_kf, design_kf
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
-   use gyroakf_filter_design, only : design_kf, design_akf
+   use gyroakf_filter_kalman, only : filter_type
    use gyroakf_stats_differences, only : difference_variance
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, stage, stage_names
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, &
+      stage
    use gyroakf_pipeline_coefficients, only : run_allan
    use gyroakf_pipeline_truth, only : compute_rmse
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
-   public :: run_filters, run_designed, figures_of, reserve
+   public :: run_filters, run_filter, figures_of, reserve
 
 contains
 
-   !> Filters the cleaned series with every filter there is, and computes the Allan curves of the paper's outputs.
+   !> Filters the cleaned series with the paper's filters, and computes the Allan curves of their
+   !> outputs.
    !>
    !> One filtered series is alive at a time unless `options%keep_series`.
    subroutine run_filters(record, z, mean, options, channel, error, valid, progress)
@@ -40,84 +43,71 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: x(:)
-      integer :: which
+      real(dp) :: differences
 
       channel%designed_mean = mean
-      do which = stage%kf, stage%akf
-         if (options%design_only /= "" .and. options%design_only /= stage_names(which)) cycle
-         call reserve(x, size(z, kind=int64), error)
+      call run_filter("kf", z, mean, 0.0_dp, x, options, channel, error, valid, progress)
+      if (allocated(error)) return
+      if (options%do_allan .and. channel%available%kf) then
+         call run_allan(x, record, options, stage%kf, channel, error, valid, progress)
          if (allocated(error)) return
-         call run_paper_filter(which, z, mean, x, options, channel, error, valid, progress)
-         if (allocated(error)) return
-         if (options%do_allan .and. merge(channel%available%kf, channel%available%akf, which == stage%kf)) then
-            call run_allan(x, record%sample_interval, record%rate_known, record%unit, options, which, channel, error, valid, &
-                           progress)
-            if (allocated(error)) return
-         end if
-         if (options%keep_series .and. which == stage%kf) call move_alloc(x, channel%series_kf)
-         if (options%keep_series .and. which == stage%akf) call move_alloc(x, channel%series_akf)
-      end do
+      end if
+      if (options%keep_series) call move_alloc(x, channel%series_kf)
+      differences = difference_variance(z, valid)
+      call run_filter("akf", z, mean, differences, x, options, channel, error, valid, progress)
+      if (options%do_allan .and. channel%available%akf .and. .not. allocated(error)) then
+         call run_allan(x, record, options, stage%akf, channel, error, valid, progress)
+      end if
+      if (options%keep_series .and. .not. allocated(error)) call move_alloc(x, channel%series_akf)
    end subroutine run_filters
 
-   !> One of the paper's two filters.
-   subroutine run_paper_filter(which, z, mean, x, options, channel, error, valid, progress)
-      integer, intent(in) :: which
+   !> Designs a filter and runs it; what cannot be done is noted in the channel. Where one filter
+   !> shall be made only, it is kept there instead, and the others are left out.
+   subroutine run_filter(name, z, mean, differences, x, options, channel, error, valid, progress)
+      !> "kf", "akf", "drift_kf" or "drift_akf"
+      character(*), intent(in) :: name
+      !> The series: [n], without this mean
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(in) :: mean
-      real(dp), intent(out), contiguous :: x(:)
+      !> Variance of the differences of the series, for an adaptive filter
+      real(dp), intent(in) :: differences
+      !> The output; its memory is taken where it is there
+      real(dp), allocatable, intent(inout) :: x(:)
+      !> Of the main job
       type(pipeline_options), intent(in) :: options
+      !> What the filter did, and its figures; gets a note
       type(channel_result_type), intent(inout) :: channel
+      !> That of its design where it shall be made only; no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      type(filter_type) :: filter
-      type(filter_result_type) :: filtered
-      logical :: done
-
-      if (which == stage%kf) then
-         call design_kf(channel%filter_ar, options%design, filter, error)
-         call run_designed(filter, "Kalman filter", z, x, options, channel, filtered, done, error, valid, progress)
-      else
-         call design_akf(channel%filter_ar, difference_variance(z, valid), options%design, filter, error)
-         call run_designed(filter, "adaptive Kalman filter", z, x, options, channel, filtered, done, error, valid, progress)
-      end if
-      if (.not. done) return
-      if (which == stage%kf) then
-         channel%available%kf = .true.
-         channel%kf = filtered
-         channel%kf_figures = figures_of(filtered, channel%cleaned%variance, x, mean, .true., channel, valid)
-      else
-         channel%available%akf = .true.
-         channel%akf = filtered
-         channel%akf_figures = figures_of(filtered, channel%cleaned%variance, x, mean, .true., channel, valid)
-      end if
-   end subroutine run_paper_filter
-
-   !> Runs a filter; what cannot be done is noted in the channel. Where it shall be made only, it is kept there instead.
-   subroutine run_designed(filter, name, z, x, options, channel, filtered, done, error, valid, progress)
-      !> Made, where `error` is not set
-      type(filter_type), intent(inout) :: filter
-      !> Its name in the note
-      character(*), intent(in) :: name
-      !> Series and output: [n]
-      real(dp), intent(in), contiguous :: z(:)
-      real(dp), intent(out), contiguous :: x(:)
-      !> `design_only`
-      type(pipeline_options), intent(in) :: options
-      !> Gets the note
-      type(channel_result_type), intent(inout) :: channel
-      !> What the filter did, where it is `done`
-      type(filter_result_type), intent(out) :: filtered
-      logical, intent(out) :: done
-      !> That of its design; no_memory, cancelled and the like afterwards
-      type(error_type), allocatable, intent(inout) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
+      type(filter_type) :: filter
+      type(filter_result_type) :: filtered
+      type(filter_figures_type) :: figures
+      character(22) :: title
+      logical :: of_drift
       integer :: stat
 
-      done = .false.
+      if (options%design_only /= "" .and. options%design_only /= name) return
+      call reserve(x, size(z, kind=int64), error)
+      if (allocated(error)) return
+      of_drift = index(name, "drift") == 1
+      select case (name)
+      case ("kf")
+         title = "Kalman filter"
+         call design_kf(channel%filter_ar, options%design, filter, error)
+      case ("akf")
+         title = "adaptive Kalman filter"
+         call design_akf(channel%filter_ar, differences, options%design, filter, error)
+      case ("drift_kf")
+         title = "drift Kalman filter"
+         call design_drift_kf(channel%drift, filter, error)
+      case default
+         title = "adaptive drift filter"
+         call design_drift_akf(channel%drift, differences, options%drift, filter, error)
+      end select
       if (options%design_only /= "") then
          if (allocated(error)) return
          allocate (channel%designed, source=filter, stat=stat)
@@ -125,12 +115,39 @@ contains
          return
       end if
       if (.not. allocated(error)) call filter_series(filter, z, x, filtered, error, valid, progress)
-      done = .not. allocated(error)
-      if (.not. is_fatal(error)) call note_failure(channel, name, error)
-   end subroutine run_designed
+      if (allocated(error)) then
+         call note_failure(channel, trim(title), error)
+         return
+      end if
+      if (of_drift) filtered%mean = filtered%mean + mean
+      figures = figures_of(filtered, merge(channel%level%variance, channel%cleaned%variance, &
+                                           of_drift), x, mean, .not. of_drift, channel, valid)
+      select case (name)
+      case ("kf"); call keep(channel%available%kf, channel%kf, channel%kf_figures)
+      case ("akf"); call keep(channel%available%akf, channel%akf, channel%akf_figures)
+      case ("drift_kf")
+         call keep(channel%available%drift_kf, channel%drift_kf, channel%drift_kf_figures)
+      case default
+         call keep(channel%available%drift_akf, channel%drift_akf, channel%drift_akf_figures)
+      end select
+
+   contains
+
+      subroutine keep(available, kept, kept_figures)
+         logical, intent(inout) :: available
+         type(filter_result_type), intent(inout) :: kept
+         type(filter_figures_type), intent(inout) :: kept_figures
+
+         available = .true.
+         kept = filtered
+         kept_figures = figures
+      end subroutine keep
+
+   end subroutine run_filter
 
    !> Ratios of variances, and the RMSE where the true drift is known.
-   pure function figures_of(filtered, input_variance, x, mean, detrended, channel, valid) result(figures)
+   pure function figures_of(filtered, input_variance, x, mean, detrended, channel, valid) &
+      result(figures)
       !> What the filter did
       type(filter_result_type), intent(in) :: filtered
       !> Of the series that it filtered
@@ -146,7 +163,9 @@ contains
       type(filter_figures_type) :: figures
 
       if (input_variance > 0.0_dp) figures%variance_ratio = filtered%variance/input_variance
-      if (channel%raw%variance > 0.0_dp) figures%raw_variance_ratio = filtered%variance/channel%raw%variance
+      associate (raw => channel%raw%variance)
+         if (raw > 0.0_dp) figures%raw_variance_ratio = filtered%variance/raw
+      end associate
       figures%passed_percent = 100.0_dp*filtered%dc_gain
       figures%lost_percent = 100.0_dp - figures%passed_percent
       call compute_rmse(x, mean, detrended, channel, figures%rmse, figures%rmse_samples, valid)

@@ -1,13 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> Periodicity of a channel: Welch's spectrum of the cleaned series, Fisher's test of its AR residuals.
+!> Periodicity of a channel: Welch's spectrum of the cleaned series, Fisher's test of its AR
+!> residuals.
 module gyroakf_pipeline_channel_periodicity
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
+   use gyroakf_record, only : record_type
+   use gyroakf_io_place, only : integer_text
    use gyroakf_ar_periodicity, only : periodicity_options, analyse_periodicity
    use gyroakf_stats_welch, only : welch_options, welch_spectrum
    use gyroakf_pipeline_result, only : pipeline_options, channel_result_type
-   use gyroakf_pipeline_warnings, only : note_failure, is_fatal
+   use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
    public :: run_periodicity, longest_part, longest_segment
@@ -20,13 +23,11 @@ module gyroakf_pipeline_channel_periodicity
 contains
 
    !> Spectrum and Fisher's test; failures are noted in the channel.
-   subroutine run_periodicity(z, step, rate_known, options, channel, error, valid, progress)
+   subroutine run_periodicity(z, record, options, channel, error, valid, progress)
       !> The cleaned series, in the unit of the record: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Sample interval in s, 1 where no rate is known
-      real(dp), intent(in) :: step
-      !> It is in seconds
-      logical, intent(in) :: rate_known
+      !> For its sample interval
+      type(record_type), intent(in) :: record
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
       !> Its AR model is used where it is there; `spectrum` and `periodicity` are filled
@@ -39,44 +40,40 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(welch_options) :: welch
       type(periodicity_options) :: choice
-      character(100) :: text
+      real(dp) :: step
 
+      step = record%sample_interval
       channel%frequency_unit = "cycles/sample"
-      if (rate_known) channel%frequency_unit = "Hz"
+      if (record%rate_known) channel%frequency_unit = "Hz"
       welch%confidence = options%allan%confidence
-      if (options%welch_segment > 0.0_dp) welch%segment = max(2_int64, nint(min(options%welch_segment/step, 1.0e15_dp), int64))
+      if (options%welch_segment > 0.0_dp) welch%segment = &
+         max(2_int64, nint(min(options%welch_segment/step, 1.0e15_dp), int64))
       if (welch%segment > longest_segment) then
-         write (text, '("a segment of the spectrum may have ", i0, " samples here, not ", i0)') longest_segment, welch%segment
-         call fatal_error(error, status%invalid_argument, trim(text)//"; use the Allan deviation for slower processes")
+         call fatal_error(error, status%invalid_argument, "a segment of the spectrum may have "// &
+            integer_text(longest_segment)//" samples here, not "//integer_text(welch%segment)// &
+            "; use the Allan deviation for slower processes")
          return
       end if
       call welch_spectrum(z, step, welch, channel%spectrum, error, valid, progress)
-      if (is_fatal(error)) return
       channel%available%spectrum = .not. allocated(error)
       call note_failure(channel, "spectrum", error)
+      if (allocated(error)) return
       choice%longest = longest_part
       choice%ar = options%ar
       if (channel%available%ar) then
-         call analyse_periodicity(z, choice, channel%periodicity, error, valid, channel%ar, progress)
+         call analyse_periodicity(z, choice, channel%periodicity, error, valid, channel%ar, &
+                                  progress)
       else
          call analyse_periodicity(z, choice, channel%periodicity, error, valid, progress=progress)
       end if
-      if (is_fatal(error)) return
       channel%available%periodicity = .not. allocated(error)
       call note_failure(channel, "Fisher's test", error)
-      if (channel%available%periodicity) call state(channel, step)
+      if (.not. channel%available%periodicity) return
+      associate (found => channel%periodicity)
+         channel%fisher_frequency = found%fisher%frequency/step
+         if (found%order > 0) channel%whitened = "the residuals of AR("// &
+            integer_text(int(found%order, int64))//")"
+      end associate
    end subroutine run_periodicity
-
-   !> What the report says beyond the library's results.
-   pure subroutine state(channel, step)
-      type(channel_result_type), intent(inout) :: channel
-      real(dp), intent(in) :: step
-      character(24) :: order
-
-      channel%fisher_frequency = channel%periodicity%fisher%frequency/step
-      write (order, "(i0)") channel%periodicity%order
-      channel%whitened = "the series"
-      if (channel%periodicity%order > 0) channel%whitened = "the residuals of AR("//trim(order)//")"
-   end subroutine state
 
 end module gyroakf_pipeline_channel_periodicity

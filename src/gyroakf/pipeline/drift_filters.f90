@@ -1,35 +1,36 @@
 ! SPDX-License-Identifier: MIT
 !> The recommended filters of one channel: of the drift that the record itself shows.
 !>
-!> They work on the record as read without its outliers: a polynomial that was fitted to the whole record is not there while a
-!> sensor is in use, and a random walk follows what it would remove. Off line the smoother sees the record from both sides; what is
-!> left of the record without the smoothed drift is `compensated`.
+!> They work on the record as read without its outliers: a polynomial that was fitted to the whole
+!> record is not there while a sensor is in use, and a random walk follows what it would remove. Off
+!> line the smoother sees the record from both sides; what is left of the record without the
+!> smoothed drift is `compensated`.
 module gyroakf_pipeline_drift_filters
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_filter_design, only : adaptive_drift, design_drift_akf, design_drift_kf
-   use gyroakf_filter_kalman, only : filter_type
-   use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_stats_differences, only : difference_variance
    use gyroakf_stats_moments, only : compute_moments, moments_type
    use gyroakf_pipeline_coefficients, only : run_allan
    use gyroakf_pipeline_channel_drift, only : find_drift, judge_model, smoothed_share
-   use gyroakf_pipeline_channel_filters, only : figures_of, reserve, run_designed
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, stage
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   use gyroakf_pipeline_channel_filters, only : figures_of, reserve, run_filter
+   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, stage
+   use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
    public :: run_drift_filters
 
 contains
 
-   !> Identifies the drift, filters and smooths it, and computes the Allan curve of the record without it.
+   !> Identifies the drift, filters and smooths it, and computes the Allan curve of the record
+   !> without it.
    !>
-   !> Alive at a time: the record without its mean, one output, the white noise of each sample; afterwards one series and what its
-   !> Allan curve takes. With `options%keep_series` all outputs stay.
+   !> Alive at a time: the record without its mean, one output, the white noise of each sample;
+   !> afterwards one series and what its Allan curve takes. With `options%keep_series` all outputs
+   !> stay.
    subroutine run_drift_filters(record, x, options, channel, error, valid, progress)
       !> Sample interval and unit are taken from it
       type(record_type), intent(in) :: record
@@ -46,75 +47,48 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: z(:), drift(:)
-      real(dp) :: differences
+      real(dp) :: differences, mean
+      integer(int64) :: n
 
-      call reserve(z, size(x, kind=int64), error)
+      if (any(options%design_only == [character(3) :: "kf", "akf"])) return
+      n = size(x, kind=int64)
+      mean = channel%level%mean
+      call reserve(z, n, error)
       if (allocated(error)) return
-      z(:) = x - channel%level%mean
-      call find_drift(z, record%sample_interval, record%rate_known, record%unit, options, channel, error, valid, progress)
+      z(:) = x - mean
+      call find_drift(z, record, options, channel, error, valid, progress)
       if (allocated(error) .or. .not. channel%drift%found) return
       differences = difference_variance(z, valid)
-      channel%designed_mean = channel%level%mean
-      if (options%design_only /= "drift_akf") call run_one(z, differences, .false., options, channel, error, valid, progress)
-      if (.not. allocated(error) .and. options%design_only /= "drift_kf") then
-         call judge_model(channel)
-         call run_one(z, differences, .true., options, channel, error, valid, progress)
-      end if
+      channel%designed_mean = mean
+      call run_filter("drift_kf", z, mean, differences, drift, options, channel, error, valid, &
+                      progress)
+      if (allocated(error)) return
+      if (channel%available%drift_kf) call keep(drift, channel%series_drift_kf)
+      call judge_model(channel)
+      call run_filter("drift_akf", z, mean, differences, drift, options, channel, error, valid, &
+                      progress)
+      if (allocated(error)) return
+      if (channel%available%drift_akf) call keep(drift, channel%series_drift_akf)
       if (options%design_only /= "") return
-      if (.not. allocated(error)) call reserve(drift, size(x, kind=int64), error)
-      if (.not. allocated(error)) then
-         call run_smoother(z, drift, differences, options, channel, error, valid, progress)
-      end if
+      call reserve(drift, n, error)
+      if (.not. allocated(error)) call run_smoother(z, drift, differences, options, channel, &
+         error, valid, progress)
       if (allocated(error) .or. .not. channel%available%drift_smoother) return
       deallocate (z)
       call compensate(record, x, drift, options, channel, error, valid, progress)
+
+   contains
+
+      !> Keeps an output, with the level, where it is wanted.
+      subroutine keep(output, series)
+         real(dp), allocatable, intent(inout) :: output(:), series(:)
+
+         if (.not. options%keep_series) return
+         output(:) = output + mean
+         call move_alloc(output, series)
+      end subroutine keep
+
    end subroutine run_drift_filters
-
-   !> One of the drift's two filters.
-   subroutine run_one(z, differences, adaptive, options, channel, error, valid, progress)
-      !> Without its mean: [n]
-      real(dp), intent(in), contiguous :: z(:)
-      !> Variance of the differences
-      real(dp), intent(in) :: differences
-      !> R is adapted
-      logical, intent(in) :: adaptive
-      type(pipeline_options), intent(in) :: options
-      type(channel_result_type), intent(inout) :: channel
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      type(filter_type) :: filter
-      type(filter_result_type) :: filtered
-      type(filter_figures_type) :: figures
-      real(dp), allocatable :: x(:)
-      logical :: done
-
-      call reserve(x, size(z, kind=int64), error)
-      if (allocated(error)) return
-      if (adaptive) then
-         call design_drift_akf(channel%drift, differences, options%drift, filter, error)
-         call run_designed(filter, "adaptive drift filter", z, x, options, channel, filtered, done, error, valid, progress)
-      else
-         call design_drift_kf(channel%drift, filter, error)
-         call run_designed(filter, "drift Kalman filter", z, x, options, channel, filtered, done, error, valid, progress)
-      end if
-      if (.not. done) return
-      filtered%mean = filtered%mean + channel%level%mean
-      figures = figures_of(filtered, channel%level%variance, x, channel%level%mean, .false., channel, valid)
-      if (adaptive) then
-         channel%available%drift_akf = .true.
-         channel%drift_akf = filtered
-         channel%drift_akf_figures = figures
-      else
-         channel%available%drift_kf = .true.
-         channel%drift_kf = filtered
-         channel%drift_kf_figures = figures
-      end if
-      if (.not. options%keep_series) return
-      x(:) = x + channel%level%mean
-      if (adaptive) call move_alloc(x, channel%series_drift_akf)
-      if (.not. adaptive) call move_alloc(x, channel%series_drift_kf)
-   end subroutine run_one
 
    !> The drift from both sides, the variance of the white noise at each sample too.
    subroutine run_smoother(z, drift, differences, options, channel, error, valid, progress)
@@ -136,7 +110,6 @@ contains
                               adaptive_drift(options%drift, 0.5_dp*differences), z, drift, &
                               error, valid, progress=progress)
       end associate
-      if (is_fatal(error)) return
       channel%available%drift_smoother = .not. allocated(error)
       call note_failure(channel, "drift smoother", error)
       if (.not. channel%available%drift_smoother) return
@@ -176,9 +149,10 @@ contains
       end if
       drift(:) = x - channel%level%mean - drift
       call compute_moments(drift, channel%compensated, valid)
-      if (channel%level%variance > 0.0_dp) channel%compensated_ratio = channel%compensated%variance/channel%level%variance
-      if (options%do_allan) call run_allan(drift, record%sample_interval, record%rate_known, record%unit, options, &
-                                           stage%compensated, channel, error, valid, progress)
+      if (channel%level%variance > 0.0_dp) channel%compensated_ratio = &
+         channel%compensated%variance/channel%level%variance
+      if (options%do_allan) call run_allan(drift, record, options, stage%compensated, channel, &
+                                           error, valid, progress)
       if (options%keep_series) call move_alloc(drift, channel%series_compensated)
    end subroutine compensate
 

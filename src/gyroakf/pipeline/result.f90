@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> What the main job is asked for and what it returns.
 !>
-!> Every number that a report prints is in these types: reports compute nothing. A stage without a result for a
-!> channel (constant series, too few samples) has its flag in `available` false and a line in `unavailable`.
+!> Every number that a report prints is in these types: reports compute nothing. A stage without a
+!> result for a channel (constant series, too few samples) has its flag in `available` false and a
+!> line in `unavailable`.
 module gyroakf_pipeline_result
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_record, only : text_type
@@ -21,44 +22,21 @@ module gyroakf_pipeline_result
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_filter_kalman, only : filter_type
-   use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type
-   use gyroakf_allan_deviations, only : allan_options, allan_curve_type
-   use gyroakf_allan_noise_fit, only : noise_options, noise_type
-   use gyroakf_allan_read_off, only : read_off_type
+   use gyroakf_filter_drift_identification, only : drift_identification_options, &
+      drift_identification_type
+   use gyroakf_allan_deviations, only : allan_options
+   use gyroakf_allan_noise_fit, only : noise_options
    use gyroakf_allan_halves, only : halves_type
    use gyroakf_allan_trend_test, only : record_trend_type
+   use gyroakf_pipeline_allan_result, only : allan_result_type, not_described, stage, stage_names, &
+      stated_coefficient_type, stated_noise_type, stated_read_off_type
    implicit none (type, external)
    private
-   public :: new_channels, pipeline_options, pipeline_result_type, channel_result_type, available_type
-   public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type, filter_figures_type
-   public :: drift_process_type, verdict_type, stage, stage_names, not_described
-
-   !> What is said of a curve that the noise terms do not follow
-   character(*), parameter :: not_described = "no run of octaves follows a sum of Q, N, B, K and R: the coefficients are "// &
-      "withheld. The values read off the curve hold where it has their slope"
-
-   !> The series that an Allan curve is computed of, in the order of `channel%allan`
-   type :: stage_enum
-      !> The record as read, with its outliers
-      integer :: input = 1
-      !> The record as read without its outliers, where there are some
-      integer :: outliers_removed = 2
-      !> Without outliers and trend; as read where neither was removed
-      integer :: cleaned = 3
-      !> Output of the Kalman filter of the paper
-      integer :: kf = 4
-      !> Output of the adaptive filter of the paper
-      integer :: akf = 5
-      !> The record as read less its smoothed drift
-      integer :: compensated = 6
-   end type stage_enum
-
-   !> Reached as `stage%cleaned`
-   type(stage_enum), parameter :: stage = stage_enum()
-
-   !> Names of the stages, as in the JSON document
-   character(16), parameter :: stage_names(6) = [character(16) :: "input", "outliers_removed", "cleaned", "kf", "akf", &
-                                                 "compensated"]
+   public :: new_channels, pipeline_options, pipeline_result_type, channel_result_type, &
+      available_type
+   public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type
+   public :: filter_figures_type, drift_process_type, verdict_type, stage, stage_names, &
+      not_described
 
    !> What the main job does and how
    type :: pipeline_options
@@ -90,8 +68,8 @@ module gyroakf_pipeline_result
       type(anderson_darling_options) :: anderson_darling = anderson_darling_options(200000_int64)
       !> Lags of the Ljung-Box test
       integer :: ljung_box_lags = 20
-      !> Lags of the autocorrelation and of the Ljung-Box test where they are asked for; 0: ljung_box_lags, a fifth of the samples
-      !> at most
+      !> Lags of the autocorrelation and of the Ljung-Box test where they are asked for; 0:
+      !> ljung_box_lags, a fifth of the samples at most
       integer :: correlation_lags = 0
       !> The KPSS test
       type(kpss_options) :: kpss
@@ -101,8 +79,9 @@ module gyroakf_pipeline_result
       real(dp) :: welch_segment = 0.0_dp
       !> The cleaned and filtered series stay in the result (8 bytes a sample and series)
       logical :: keep_series = .false.
-      !> "kf", "akf", "drift_kf" or "drift_akf": no more is done than it takes to make this filter, which stays in the result
-      !> before its first step, `channel%designed`, and what cannot be done is an error; "": all filters
+      !> "kf", "akf", "drift_kf" or "drift_akf": no more is done than it takes to make this filter,
+      !> which stays in the result before its first step, `channel%designed`, and what cannot be
+      !> done is an error; "": all filters
       character(9) :: design_only = ""
    end type pipeline_options
 
@@ -111,7 +90,8 @@ module gyroakf_pipeline_result
       !> The cleaning was done; outliers or a trend were removed
       logical :: preprocess = .false., cleaned = .false.
       logical :: adf = .false., jarque_bera = .false., ljung_box = .false., ar = .false.
-      logical :: kf = .false., akf = .false., drift = .false., drift_kf = .false., drift_akf = .false.
+      logical :: kf = .false., akf = .false.
+      logical :: drift = .false., drift_kf = .false., drift_akf = .false.
       !> The smoothed drift, and with it what is left of the record without it
       logical :: drift_smoother = .false.
       logical :: halves = .false.
@@ -120,80 +100,17 @@ module gyroakf_pipeline_result
       logical :: periodicity = .false., spectrum = .false.
    end type available_type
 
-   !> One noise coefficient in the unit it is stated in
-   type :: stated_coefficient_type
-      !> Value, its standard error and the one-sided 95 % limit; NaN-free, 0 where there is none
-      real(dp) :: value = 0.0_dp, std_error = 0.0_dp, upper_limit = 0.0_dp
-      !> The value is stated
-      logical :: detected = .false.
-      !> There is a value or a limit; false where the term was not asked for, or is withheld
-      logical :: fitted = .false.
-      !> "value", "limit", "withheld" or ""
-      character(8) :: state = ""
-      !> "deg/sqrt(h)"; "deg/s*sqrt(sample)" without a rate, "input*sqrt(s)" without a unit
-      character(:), allocatable :: unit
-      !> The same in SI; 0 and "" where rate or unit is not known
-      real(dp) :: value_si = 0.0_dp, std_error_si = 0.0_dp, upper_limit_si = 0.0_dp
-      !> "rad/sqrt(s)"
-      character(:), allocatable :: unit_si
-      !> What it is the coefficient of: "sigma^2 = N^2/tau, two-sided density N^2"
-      character(:), allocatable :: definition
-   end type stated_coefficient_type
-
-   !> The five coefficients as they are stated
-   type :: stated_noise_type
-      !> Q N B K R
-      type(stated_coefficient_type) :: term(5)
-      !> N without quantization, and the step of the samples in standard deviations of the noise
-      type(stated_coefficient_type) :: unquantized
-      real(dp) :: lsb_ratio = 0.0_dp
-      !> The unit and the rate are known: `density` and the angle units mean something
-      logical :: in_units = .false.
-      !> N as a density: two-sided, as N is defined, and one-sided, sqrt(2) N
-      real(dp) :: density_two_sided = 0.0_dp, density_one_sided = 0.0_dp
-      !> "deg/s/sqrt(Hz)"
-      character(:), allocatable :: density_unit
-      !> N as a density with its error and limit, also in SI: two-sided, one-sided
-      type(stated_coefficient_type) :: density(2)
-   end type stated_noise_type
-
-   !> What the curve alone says by the classical rules, in the units of the coefficients
-   type :: stated_read_off_type
-      !> Q N B K R, where `found`
-      real(dp) :: value(5) = 0.0_dp
-      logical :: found(5) = .false.
-      !> Lowest deviation in the unit of B, undivided, and its averaging time in s (samples without a rate); where `known`
-      real(dp) :: minimum = 0.0_dp, minimum_tau = 0.0_dp
-      logical :: known = .false.
-      !> The lowest deviation is the last one that counts
-      logical :: falling = .false.
-   end type stated_read_off_type
-
-   !> Curve and coefficients of one series
-   type :: allan_result_type
-      !> The curve is there
-      logical :: available = .false.
-      !> The coefficients are there
-      logical :: fitted = .false.
-      type(allan_curve_type) :: curve
-      !> Further kinds, as far as they could be computed; unallocated where none was asked for
-      type(allan_curve_type), allocatable :: other(:)
-      type(noise_type) :: noise
-      type(stated_noise_type) :: stated
-      !> What is read off the curve, in the unit of the input and s, and the same in the units of the coefficients
-      type(read_off_type) :: read
-      type(stated_read_off_type) :: read_off
-   end type allan_result_type
-
    !> One process of the drift model as it is stated
    type :: drift_process_type
       !> A random walk; else an AR(1) process
       logical :: walk = .false.
       !> It counts as drift
       logical :: slow = .false.
-      !> Coefficient, correlation time in s (samples without a rate), their standard errors; 1 and 0 for a random walk
+      !> Coefficient, correlation time in s (samples without a rate), their standard errors; 1 and 0
+      !> for a random walk
       real(dp) :: phi = 0.0_dp, phi_error = 0.0_dp, time = 0.0_dp, time_error = 0.0_dp
-      !> Standard deviation in the unit of the record: of the process; of a random walk that of a step, with its standard error
+      !> Standard deviation in the unit of the record: of the process; of a random walk that of a
+      !> step, with its standard error
       real(dp) :: std = 0.0_dp, std_error = 0.0_dp
       !> A random walk as the coefficient K of Table III, in its unit; `detected` where it is stated
       type(stated_coefficient_type) :: k
@@ -201,8 +118,8 @@ module gyroakf_pipeline_result
 
    !> What a filter did to the variance
    type :: filter_figures_type
-      !> Variance of the output over that of the filter's input: of the cleaned series; of the drift's filters, of the record as
-      !> read without outliers
+      !> Variance of the output over that of the filter's input: of the cleaned series; of the
+      !> drift's filters, of the record as read without outliers
       real(dp) :: variance_ratio = 0.0_dp
       !> Variance of the output over that of the record as read
       real(dp) :: raw_variance_ratio = 0.0_dp
@@ -220,17 +137,19 @@ module gyroakf_pipeline_result
       logical :: wanted = .false., known = .false.
       !> The noise is stationary; it drifts. Neither: nothing is known
       logical :: stationary = .false., drifts = .false.
-      !> "none", "flicker", "colored"; "random_walk", "trend", "trend_and_random_walk", "random_walk_or_trend", "unit_root"; or
-      !> "undescribed"
+      !> "none", "flicker", "colored"; "random_walk", "trend", "trend_and_random_walk",
+      !> "random_walk_or_trend", "unit_root"; or "undescribed"
       character(21) :: drift = "undescribed"
       !> A ramp or a warm-up, in the unit of the record and samples
       type(record_trend_type) :: trend
       !> Tests of the means of 128 blocks without the trend; the first value is that of a unit root
       type(adf_type) :: adf
       type(kpss_type) :: kpss
-      !> K is more than half of the Allan variance at the length of a block, where the unit root is rejected
+      !> K is more than half of the Allan variance at the length of a block, where the unit root is
+      !> rejected
       logical :: bounded = .false.
-      !> All octaves to the longest are described by the fit, and what one without K, and without K and R, costs more
+      !> All octaves to the longest are described by the fit, and what one without K, and without K
+      !> and R, costs more
       logical :: complete = .false.
       real(dp) :: walk_margin = 0.0_dp, drift_margin = 0.0_dp
       !> What the verdict rests on, in sentences
@@ -246,7 +165,8 @@ module gyroakf_pipeline_result
       type(verdict_type) :: verdict
       !> Of the record as read, of that without its outliers, and of the cleaned series
       type(moments_type) :: raw, level, cleaned
-      !> What was tested: the record with its trend and without its outliers; with `test_cleaned` the cleaned series
+      !> What was tested: the record with its trend and without its outliers; with `test_cleaned`
+      !> the cleaned series
       character(27) :: tested = "record as read"
       type(clean_type) :: clean
       type(adf_type) :: adf
@@ -264,7 +184,8 @@ module gyroakf_pipeline_result
       type(correlation_type) :: correlation
       !> Fisher's test, of a part of a long record
       type(periodicity_type) :: periodicity
-      !> What was whitened: "the residuals of AR(2)"; the unit of all frequencies: Hz or cycles/sample
+      !> What was whitened: "the residuals of AR(2)"; the unit of all frequencies: Hz or
+      !> cycles/sample
       character(40) :: whitened = "the series"
       character(13) :: frequency_unit = "Hz"
       !> Frequency of Fisher's test in that unit
@@ -273,32 +194,38 @@ module gyroakf_pipeline_result
       type(welch_type) :: spectrum
       !> The model that was chosen
       type(ar_model_type) :: ar
-      !> The model that the paper's filters take: the same, or Yule-Walker's of the same order where that is not stationary
+      !> The model that the paper's filters take: the same, or Yule-Walker's of the same order where
+      !> that is not stationary
       type(ar_model_type) :: filter_ar
-      !> Largest share of the variance, in percent, that one-step prediction by the AR model removes: 100 (1 - sigma_a^2/var)
+      !> Largest share of the variance, in percent, that one-step prediction by the AR model
+      !> removes: 100 (1 - sigma_a^2/var)
       real(dp) :: predictable_percent = 0.0_dp
       !> The paper's filters
       type(filter_result_type) :: kf, akf
       type(filter_figures_type) :: kf_figures, akf_figures
-      !> Drift identified from the record without its outliers, its processes as stated, and its filters; their outputs and
-      !> means hold the level
+      !> Drift identified from the record without its outliers, its processes as stated, and its
+      !> filters; their outputs and means hold the level
       type(drift_identification_type) :: drift
       type(drift_process_type), allocatable :: drift_process(:)
       !> Why no drift model describes the record; unallocated where the identified one does
       character(:), allocatable :: drift_doubt
       !> Standard error of the white noise's standard deviation, 0 where it is not known
       real(dp) :: white_std_error = 0.0_dp
-      !> Correlation time of the drift, and the shortest that counts as drift, both in s (samples without a rate)
+      !> Correlation time of the drift, and the shortest that counts as drift, both in s (samples
+      !> without a rate)
       real(dp) :: drift_time = 0.0_dp, drift_tau = 0.0_dp
       type(filter_result_type) :: drift_kf, drift_akf, drift_smoother
       type(filter_figures_type) :: drift_kf_figures, drift_akf_figures, drift_smoother_figures
-      !> The filter of `design_only`, for samples less this mean; unallocated where the channel has no drift
+      !> The filter of `design_only`, for samples less this mean; unallocated where the channel has
+      !> no drift
       type(filter_type), allocatable :: designed
       real(dp) :: designed_mean = 0.0_dp
-      !> The record as read, without its outliers, less the smoothed drift: in-sample, for the drift was taken from it
+      !> The record as read, without its outliers, less the smoothed drift: in-sample, for the drift
+      !> was taken from it
       type(moments_type) :: compensated
       real(dp) :: compensated_ratio = 0.0_dp
-      !> The true drift, where it was given, in the unit of the record: [n]; deallocated after the filters
+      !> The true drift, where it was given, in the unit of the record: [n]; deallocated after the
+      !> filters
       real(dp), allocatable :: true_drift(:)
       !> 1 where it is known, 0 where it is not: [n]; unallocated: known everywhere
       integer(int8), allocatable :: true_drift_present(:)
@@ -309,13 +236,16 @@ module gyroakf_pipeline_result
       !> From cleaned to akf, Q N B K R, in percent; only where `reduction_known` (detected in both)
       real(dp) :: reduction_percent(5) = 0.0_dp
       logical :: reduction_known(5) = .false.
-      !> Detected before, not after: at least this reduction, in percent (from the upper limit); 0 elsewhere
+      !> Detected before, not after: at least this reduction, in percent (from the upper limit); 0
+      !> elsewhere
       real(dp) :: reduction_at_least(5) = 0.0_dp
       !> With keep_series: [n]; 0 where missing
       real(dp), allocatable :: series_cleaned(:), series_kf(:), series_akf(:)
       !> The same of the drift: smoothed, what is left without it, filtered; they hold the level
-      real(dp), allocatable :: series_drift(:), series_compensated(:), series_drift_kf(:), series_drift_akf(:)
-      !> Allocated with keep_series where something is missing (in the file, or an outlier): [n] 1 present 0 missing
+      real(dp), allocatable :: series_drift(:), series_compensated(:)
+      real(dp), allocatable :: series_drift_kf(:), series_drift_akf(:)
+      !> Allocated with keep_series where something is missing (in the file, or an outlier): [n]
+      !> 1 present 0 missing
       integer(int8), allocatable :: series_present(:)
       !> Warnings, and which stages failed and why
       type(text_type), allocatable :: warnings(:), unavailable(:)
@@ -332,7 +262,8 @@ module gyroakf_pipeline_result
 
 contains
 
-   !> Channels of which nothing is known yet. Here, for the compiler makes a copy of one on the stack.
+   !> Channels of which nothing is known yet. Here, for the compiler makes a copy of one on the
+   !> stack.
    subroutine new_channels(result, channels, stat)
       !> Its channels are allocated
       type(pipeline_result_type), intent(inout) :: result

@@ -1,11 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Root mean square error of a filter against the true drift (from a simulation or a reference sensor).
+!> Root mean square error of a filter against the true drift (from a simulation or a reference
+!> sensor).
 !>
-!>     call take_truth(truth, record, channel, result, error)          ! once, in the unit of the record
+!>     call take_truth(truth, record, channel, result, error)   ! once, in the unit of the record
 !>     call compute_rmse(x, mean, .true., result, rmse, samples, valid)
 !>
-!> A filter estimates the drift of the series that it is given. The mean and the trend that were removed
-!> from that series are part of the drift; they are subtracted from the true drift d before the comparison:
+!> A filter estimates the drift of the series that it is given. The mean and the trend that were
+!> removed from that series are part of the drift; they are subtracted from the true drift d before
+!> the comparison:
 !> $$ \mathrm{RMSE} = \sqrt{\frac1n \sum_k (\hat x_k - (d_k - p_k - \mu))^2} $$
 module gyroakf_pipeline_truth
    use gyroakf_kinds, only : dp, int8, int64
@@ -38,22 +40,25 @@ contains
          call fatal_error(error, status%invalid_argument, "the true drift is empty")
          return
       end if
-      if (size(truth%value, 1, kind=int64) /= size(record%value, 1, kind=int64)) then
-         write (text, '("the true drift has ", i0, " samples, the record ", i0, ": they must be on one grid")') &
-            size(truth%value, 1, kind=int64), size(record%value, 1, kind=int64)
-         call fatal_error(error, status%invalid_argument, trim(text))
-         return
-      else if (size(truth%value, 2) /= size(record%value, 2)) then
-         write (text, '("the true drift has ", i0, " channels, the record ", i0)') size(truth%value, 2), size(record%value, 2)
-         call fatal_error(error, status%invalid_argument, trim(text))
-         return
-      else if (truth%rate_known .and. record%rate_known) then
-         if (abs(truth%sample_interval - record%sample_interval) > same_rate*record%sample_interval) then
-            write (text, '("the true drift has ", g0.7, " samples a second, the record ", g0.7)') &
-               1.0_dp/truth%sample_interval, 1.0_dp/record%sample_interval
-            call fatal_error(error, status%invalid_argument, trim(text))
-            return
+      text = ""
+      if (any(shape(truth%value, int64) /= shape(record%value, int64))) then
+         if (size(truth%value, 1, kind=int64) /= size(record%value, 1, kind=int64)) then
+            write (text, '("the true drift has ", i0, " samples, the record ", i0, a)') &
+               size(truth%value, 1, kind=int64), size(record%value, 1, kind=int64), &
+               ": they must be on one grid"
+         else
+            write (text, '("the true drift has ", i0, " channels, the record ", i0)') &
+               size(truth%value, 2), size(record%value, 2)
          end if
+      else if (truth%rate_known .and. record%rate_known .and. &
+               abs(truth%sample_interval - record%sample_interval) > &
+               same_rate*record%sample_interval) then
+         write (text, '("the true drift has ", g0.7, " samples a second, the record ", g0.7)') &
+            1.0_dp/truth%sample_interval, 1.0_dp/record%sample_interval
+      end if
+      if (text /= "") then
+         call fatal_error(error, status%invalid_argument, trim(text))
+         return
       end if
       do c = 1, size(record%value, 2)
          call check_units(unit_of(truth, c), unit_of(record, c), error)
@@ -71,7 +76,8 @@ contains
          call fatal_error(error, status%invalid_argument, "the true drift is in "//truth%name// &
                           ", and the unit of the record is not known: give it")
       else
-         call fatal_error(error, status%invalid_argument, "the true drift is in "//truth%name//", the record in "//record%name)
+         call fatal_error(error, status%invalid_argument, "the true drift is in "//truth%name// &
+            ", the record in "//record%name)
       end if
    end subroutine check_units
 

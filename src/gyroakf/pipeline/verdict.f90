@@ -1,12 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> One verdict on the drift of a channel: everything that a report says of drift and stationarity is written from it.
+!> One verdict on the drift of a channel: everything that a report says of drift and stationarity is
+!> written from it.
 !>
-!> 1. The means of 128 blocks, outliers missing, are searched for a ramp or a warm-up ([[find_trend]]).
+!> 1. The means of 128 blocks, outliers missing, are searched for a ramp or a warm-up
+!>    ([[find_trend]]).
 !> 2. The Allan curve of the record without this trend is fitted; R is not sought beside a trend.
-!> 3. The record drifts where a fit without K and R costs more than the one with them by 2; by a random walk, where K
-!>    is stated.
-!> 4. Where K has more than half of the fitted Allan variance at the length of a block, the ADF test of the block means has to
-!>    see a unit root; if it rejects one, the noise is bounded: stationary, and K is withheld.
+!> 3. The record drifts where a fit without K and R costs more than the one with them by 2; by a
+!>    random walk, where K is stated.
+!> 4. Where K has more than half of the fitted Allan variance at the length of a block, the ADF test
+!>    of the block means has to see a unit root; if it rejects one, the noise is bounded:
+!>    stationary, and K is withheld.
 !> 5. Where the fit does not describe the longest times, ADF and KPSS of the block means decide.
 module gyroakf_pipeline_verdict
    use gyroakf_kinds, only : dp, int8, int64
@@ -16,28 +19,34 @@ module gyroakf_pipeline_verdict
    use gyroakf_io_decimal, only : format_real
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : coefficient_type, fit_noise, noise_options, noise_type
-   use gyroakf_allan_noise_model, only : model_variance, term_flicker, term_ramp, term_shape, term_walk
-   use gyroakf_allan_trend_test, only : block_count, block_means, find_trend, trend_means, trend_test_options, trend_values
+   use gyroakf_allan_noise_model, only : model_variance, term_flicker, term_ramp, term_shape, &
+      term_walk
+   use gyroakf_allan_trend_test, only : block_count, block_means, find_trend, trend_means, &
+      trend_test_options, trend_values
    use gyroakf_series_adf, only : adf_options, test_adf
    use gyroakf_series_kpss, only : kpss_options, test_kpss
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, stage, stated_coefficient_type, verdict_type
-   use gyroakf_pipeline_warnings, only : is_fatal, note_failure
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, stage, &
+      stated_coefficient_type, verdict_type
+   use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
    public :: examine_means, octaves_without_trend, options_beside, judge
 
-   !> Of 128 means: t statistic of a unit root, rejected on a random walk in 3 % of records; KPSS, exceeded on white noise in 5 %
+   !> Of 128 means: t statistic of a unit root, rejected on a random walk in 3 % of records; KPSS,
+   !> exceeded on white noise in 5 %
    real(dp), parameter :: unit_root_limit = -3.2_dp, level_limit = 0.463_dp
    !> By which a fit without K and R costs more where the record drifts
    real(dp), parameter :: drift_margin = 2.0_dp
 
 contains
 
-   !> Looks for a trend in the block means, and tests what is left of them. A failure is noted in the channel.
+   !> Looks for a trend in the block means, and tests what is left of them. A failure is noted in
+   !> the channel.
    subroutine examine_means(x, channel, error, valid)
       !> The record as read: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> `verdict%trend`, `adf` and `kpss` are filled; `verdict%known` where the record is long enough
+      !> `verdict%trend`, `adf` and `kpss` are filled; `verdict%known` where the record is long
+      !> enough
       type(channel_result_type), intent(inout) :: channel
       !> no_memory and the like
       type(error_type), allocatable, intent(out) :: error
@@ -57,7 +66,7 @@ contains
          call test_adf(mean, adf_options(criterion="bic"), verdict%adf, error)
          if (.not. allocated(error)) call test_kpss(mean, kpss_options(), verdict%kpss, error)
          verdict%known = .not. allocated(error)
-         if (.not. is_fatal(error)) call note_failure(channel, "verdict on drift", error)
+         call note_failure(channel, "verdict on drift", error)
       end associate
    end subroutine examine_means
 
@@ -91,7 +100,8 @@ contains
       do i = 1, n
          rest(i) = x(i) - trend_values(verdict%trend, n, i)
       end do
-      call compute_allan(rest, curve%sample_interval, allan_options(min_coverage=options%allan%min_coverage), level, error, &
+      call compute_allan(rest, curve%sample_interval, &
+                         allan_options(min_coverage=options%allan%min_coverage), level, error, &
                          valid, progress)
       if (.not. allocated(error)) curve%octaves = level%octaves
    end subroutine octaves_without_trend
@@ -127,20 +137,24 @@ contains
          call add_text(channel%verdict%reasons, "too few samples to tell noise from drift")
          return
       end if
-      which = merge(stage%outliers_removed, stage%input, channel%allan(stage%outliers_removed)%available)
-      if (channel%allan(which)%fitted .and. options%noise%terms == "auto" .and. options%noise%tau_min <= 0 .and. &
-          options%noise%tau_max >= huge(1.0_dp)) then
+      which = merge(stage%outliers_removed, stage%input, &
+                    channel%allan(stage%outliers_removed)%available)
+      if (channel%allan(which)%fitted .and. options%noise%terms == "auto" .and. &
+          options%noise%tau_min <= 0 .and. options%noise%tau_max >= huge(1.0_dp)) then
          noise = channel%allan(which)%noise
       else
-         call fit_for_verdict(x, record%sample_interval, options, channel, noise, error, valid, progress)
+         call fit_for_verdict(x, record%sample_interval, options, channel, noise, error, valid, &
+                              progress)
       end if
       channel%verdict%known = .not. allocated(error)
-      if (is_fatal(error)) return
       call note_failure(channel, "verdict on drift", error)
       if (.not. channel%verdict%known) return
       call decide(noise, real(size(x, kind=int64)/block_count, dp), channel%verdict)
-      if (channel%verdict%drift == "flicker" .and. channel%allan(stage%input)%fitted) then    ! not where outliers hide B
-         if (.not. channel%allan(stage%input)%noise%coefficient(term_flicker)%detected) channel%verdict%drift = "none"
+      ! not where outliers hide B
+      if (channel%verdict%drift == "flicker" .and. channel%allan(stage%input)%fitted) then
+         associate (flicker => channel%allan(stage%input)%noise%coefficient(term_flicker))
+            if (.not. flicker%detected) channel%verdict%drift = "none"
+         end associate
       end if
       call give_reasons(record, channel%verdict)
       call withhold(channel)
@@ -158,9 +172,12 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(allan_curve_type) :: curve
 
-      call compute_allan(x, step, allan_options(min_coverage=options%allan%min_coverage), curve, error, valid, progress)
-      if (.not. allocated(error)) call octaves_without_trend(x, options, channel%verdict, curve, error, valid, progress)
-      if (.not. allocated(error)) call fit_noise(curve, options_beside(noise_options(), channel%verdict), noise, error)
+      call compute_allan(x, step, allan_options(min_coverage=options%allan%min_coverage), curve, &
+                         error, valid, progress)
+      if (allocated(error)) return
+      call octaves_without_trend(x, options, channel%verdict, curve, error, valid, progress)
+      if (allocated(error)) return
+      call fit_noise(curve, options_beside(noise_options(), channel%verdict), noise, error)
    end subroutine fit_for_verdict
 
    !> Steps 3 to 5.
@@ -179,8 +196,10 @@ contains
       verdict%drift_margin = noise%drift_margin
       more = .false.
       if (verdict%complete .and. verdict%drift_margin > drift_margin) then
-         walk_share = noise%squares(term_walk)*term_shape(term_walk, length)/model_variance(noise%squares, length)
-         verdict%bounded = walk_share > 0.5_dp .and. verdict%adf%statistic < unit_root_limit .and. .not. trend
+         walk_share = noise%squares(term_walk)*term_shape(term_walk, length)/ &
+            model_variance(noise%squares, length)
+         verdict%bounded = walk_share > 0.5_dp .and. verdict%adf%statistic < unit_root_limit .and. &
+            .not. trend
          more = .not. verdict%bounded
       end if
       if (trend) then
@@ -211,18 +230,22 @@ contains
 
       allocate (verdict%reasons(0))
       if (verdict%trend%shape /= "") call add_trend(record, verdict)
-      text = "the ADF test of the means of 128 blocks gives "//format_real(verdict%adf%statistic, 3)//" and "// &
-             trim(merge("rejects        ", "does not reject", verdict%adf%statistic < unit_root_limit))// &
-             " a unit root (limit "//format_real(unit_root_limit, 3)//")"
+      text = trim(merge("rejects        ", "does not reject", &
+                        verdict%adf%statistic < unit_root_limit))
+      text = "the ADF test of the means of 128 blocks gives "// &
+         format_real(verdict%adf%statistic, 3)//" and "//text//" a unit root (limit "// &
+         format_real(unit_root_limit, 3)//")"
       if (.not. verdict%complete) then
-         call add_text(verdict%reasons, "no sum of Q, N, B, K and R follows the Allan curve to its longest averaging times")
+         call add_text(verdict%reasons, "no sum of Q, N, B, K and R follows the Allan curve to "// &
+            "its longest averaging times")
          call add_text(verdict%reasons, text//"; KPSS "//format_real(verdict%kpss%statistic, 3)// &
                        " (limit of a constant level "//format_real(level_limit, 3)//")")
       else if (verdict%bounded) then
-         call add_text(verdict%reasons, "the Allan curve rises like that of a random walk, but is bounded: "//text)
+         call add_text(verdict%reasons, "the Allan curve rises like that of a random walk, but "// &
+            "is bounded: "//text)
       else if (index(verdict%drift, "_or_") > 0) then
-         call add_text(verdict%reasons, "the Allan curve needs K or R: a fit without both costs "// &
-                       format_real(verdict%drift_margin, 3)//" of chi-square more")
+         call add_text(verdict%reasons, "the Allan curve needs K or R: a fit without both "// &
+            "costs "//format_real(verdict%drift_margin, 3)//" of chi-square more")
       else if (index(verdict%drift, "random_walk") > 0) then
          call add_text(verdict%reasons, "the Allan curve needs K: a fit without it costs "// &
                        format_real(verdict%walk_margin, 3)//" of chi-square more")
@@ -241,23 +264,28 @@ contains
       if (verdict%trend%shape == "ramp") then
          text = text//" over the record"
       else
-         text = text//" with a time constant of "//format_real(verdict%trend%time_constant*record%sample_interval, 3)// &
-                trim(merge(" s      ", " samples", record%rate_known))
+         text = text//" with a time constant of "// &
+            format_real(verdict%trend%time_constant*record%sample_interval, 3)// &
+            trim(merge(" s      ", " samples", record%rate_known))
       end if
-      call add_text(verdict%reasons, text//" raises 2 ln L by "//format_real(verdict%trend%gain, 3)// &
-                    "; the coefficients are those of the noise beside it")
+      call add_text(verdict%reasons, text//" raises 2 ln L by "// &
+         format_real(verdict%trend%gain, 3)// &
+         "; the coefficients are those of the noise beside it")
    end subroutine add_trend
 
-   !> No coefficient of the record as read says what the verdict excludes: K without a random walk, R beside a trend or none.
+   !> No coefficient of the record as read says what the verdict excludes: K without a random walk,
+   !> R beside a trend or none.
    pure subroutine withhold(channel)
       type(channel_result_type), intent(inout) :: channel
 
       integer :: which
 
-      do which = stage%input, merge(stage%cleaned, stage%outliers_removed, channel%clean%trend%degree < 0)
+      do which = stage%input, merge(stage%cleaned, stage%outliers_removed, &
+                                    channel%clean%trend%degree < 0)
          associate (verdict => channel%verdict, allan => channel%allan(which))
             if (.not. allan%fitted) cycle
-            if (index(verdict%drift, "random_walk") == 0 .and. allan%noise%coefficient(term_walk)%detected) then
+            if (index(verdict%drift, "random_walk") == 0 .and. &
+                allan%noise%coefficient(term_walk)%detected) then
                call withhold_one(allan%noise%coefficient(term_walk), allan%stated%term(term_walk))
             end if
             if (verdict%trend%shape /= "" .or. (verdict%drift /= "random_walk_or_trend" .and. &

@@ -9,56 +9,51 @@ module gyroakf_pipeline_warnings
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
    implicit none (type, external)
    private
-   public :: is_fatal, is_of_channel, note_failure, negligible_rho, outlier_share
+   public :: job_ends, note_failure, note_error, negligible_rho
    public :: warn_outliers, warn_order, warn_model, warn_curve, warn_fit, warn_halves, warn_centred
 
+   !> Errors that end the whole job, not only a stage of one channel
+   integer, parameter :: job_ends(5) = [status%no_memory, status%cancelled, status%internal, &
+                                        status%not_supported, status%invalid_argument]
    !> So many times of outliers are named
    integer, parameter :: named_outliers = 8, named_motions = 3
    !> More than this share removed is a warning
    real(dp), parameter :: outlier_share = 0.01_dp
-   !> Residuals are called correlated at this significance, and only where an autocorrelation is as large as this: in a long
-   !> record every test rejects
+   !> Residuals are called correlated at this significance, and only where an autocorrelation is as
+   !> large as this: in a long record every test rejects
    real(dp), parameter :: significant = 0.01_dp, negligible_rho = 0.05_dp
-   !> A change between the halves is said where it is less probable by chance, and is a warning where it is larger than this
+   !> A change between the halves is said where it is less probable by chance, and is a warning
+   !> where it is larger than this
    real(dp), parameter :: certain = 1e-3_dp, small_change = 0.03_dp
 
 contains
 
-   !> The error ends the whole job, not only a stage of one channel.
-   pure logical function is_fatal(error)
-      !> An error or none
-      type(error_type), allocatable, intent(in) :: error
-
-      is_fatal = .false.
-      if (.not. allocated(error)) return
-      is_fatal = any(error%code == [status%no_memory, status%cancelled, status%internal, status%not_supported, &
-                                    status%invalid_argument])
-   end function is_fatal
-
-   !> An error that ends one channel but not the others: caused by its numbers alone, as long as another channel
-   !> can be done with the same options.
-   pure logical function is_of_channel(error)
-      !> An error or none
-      type(error_type), allocatable, intent(in) :: error
-
-      is_of_channel = .false.
-      if (allocated(error)) is_of_channel = any(error%code == [status%invalid_argument, status%not_supported])
-   end function is_of_channel
-
-   !> Notes why an analysis has no result and clears the error.
+   !> Notes why an analysis has no result and clears the error; one that ends the job stays as it
+   !> is.
    pure subroutine note_failure(channel, analysis, error)
       !> Gets a line in `unavailable`
       type(channel_result_type), intent(inout) :: channel
       !> What is missing, as a reader knows it: "ADF test"
       character(*), intent(in) :: analysis
-      !> Deallocated
+      !> Deallocated where it does not end the job
       type(error_type), allocatable, intent(inout) :: error
 
       if (.not. allocated(error)) return
+      if (.not. any(error%code == job_ends)) call note_error(channel, analysis, error)
+   end subroutine note_failure
+
+   !> The same of any error.
+   pure subroutine note_error(channel, analysis, error)
+      !> As those of [[note_failure]]
+      type(channel_result_type), intent(inout) :: channel
+      character(*), intent(in) :: analysis
+      !> Allocated; deallocated
+      type(error_type), allocatable, intent(inout) :: error
+
       call add_text(channel%unavailable, analysis//": "//error%message)
       if (channel%first_failure == status%ok) channel%first_failure = error%code
       deallocate (error)
-   end subroutine note_failure
+   end subroutine note_error
 
    !> Where the sensor moves, and more than 1 % of the samples removed: says when.
    pure subroutine warn_outliers(channel, step, rate_known)
@@ -72,27 +67,28 @@ contains
       real(dp) :: seconds
       integer(int64) :: i, last
 
-      if (.not. channel%clean%converged .and. channel%clean%passes > 1) call add_text(channel%warnings, &
-         "the search for outliers did not settle within "//integer_text(int(channel%clean%passes, int64))//" rounds")
+      if (.not. channel%clean%converged .and. channel%clean%passes > 1) call add_text( &
+         channel%warnings, "the search for outliers did not settle within "// &
+         integer_text(int(channel%clean%passes, int64))//" rounds")
       seconds = merge(step, 0.0_dp, rate_known)
       if (allocated(channel%clean%motion)) call warn_motion(channel, seconds)
       if (channel%clean%fraction <= outlier_share) return
       times = ""
       if (allocated(channel%clean%outlier)) then
-         last = size(channel%clean%outlier, kind=int64)
-         do i = 1, min(last, int(named_outliers, int64))
-            times = times//moment(channel%clean%outlier(i), seconds)//", "
-         end do
-         if (last > named_outliers) times = times//"..., "//moment(channel%clean%outlier(last), seconds)//", "
+         associate (outlier => channel%clean%outlier)
+            last = size(outlier, kind=int64)
+            do i = 1, min(last, int(named_outliers, int64))
+               times = times//moment(outlier(i), seconds)//", "
+            end do
+            if (last > named_outliers) times = times//"..., "//moment(outlier(last), seconds)//", "
+         end associate
       end if
-      if (rate_known) then
-         times = "at "//times(:max(len(times) - 2, 0))//" s"
-      else
-         times = "samples "//times(:max(len(times) - 2, 0))
-      end if
-      call add_text(channel%warnings, format_real(100*channel%clean%fraction, 3)//" % of the samples ("// &
-                       integer_text(channel%clean%removed)//") were removed as outliers, "//times// &
-                       ": look at the recording there")
+      times = times(:max(len(times) - 2, 0))
+      if (rate_known) times = "at "//times//" s"
+      if (.not. rate_known) times = "samples "//times
+      call add_text(channel%warnings, format_real(100*channel%clean%fraction, 3)// &
+         " % of the samples ("//integer_text(channel%clean%removed)// &
+         ") were removed as outliers, "//times//": look at the recording there")
    end subroutine warn_outliers
 
    !> Where the sensor moves.
@@ -107,45 +103,48 @@ contains
       if (stretches == 0) return
       text = ""
       do k = 1, min(stretches, int(named_motions, int64))
-         text = text//", "//moment(channel%clean%motion(1, k), seconds)//" to "//moment(channel%clean%motion(2, k), seconds)
+         text = text//", "//moment(channel%clean%motion(1, k), seconds)//" to "// &
+                moment(channel%clean%motion(2, k), seconds)
       end do
       if (stretches > named_motions) text = text//", ..."
-      if (seconds > 0) then
-         text = "at"//text(2:)//" s"
-      else
-         text = "in samples"//text(2:)
-      end if
-      call add_text(channel%warnings, "motion or vibration "//text//" ("//integer_text(stretches)//" in all): nothing is "// &
-                    "removed there; `from` and `to` select a part at rest")
+      if (seconds > 0) text = "at"//text(2:)//" s"
+      if (.not. seconds > 0) text = "in samples"//text(2:)
+      call add_text(channel%warnings, "motion or vibration "//text//" ("// &
+         integer_text(stretches)//" in all): nothing is removed there; `from` and `to` select "// &
+         "a part at rest")
    end subroutine warn_motion
 
-   !> How much of the series the model predicts, and whether there is anything to predict.
-   pure subroutine warn_order(channel)
-      !> Its AR model is filled; `predictable_percent` is set, gets a warning
+   !> Whether there is anything to predict, and whether fewer orders were compared than asked for.
+   pure subroutine warn_order(channel, capped, most)
+      !> Its AR model is filled; gets a warning
       type(channel_result_type), intent(inout) :: channel
+      !> Fewer were compared
+      logical, intent(in) :: capped
+      !> The largest order
+      integer, intent(in) :: most
 
-      if (channel%ar%variance > 0.0_dp) then
-         channel%predictable_percent = 100.0_dp*(1.0_dp - channel%ar%noise_variance/channel%ar%variance)
-      end if
-      if (channel%ar%order == 0) call add_text(channel%warnings, "no autocorrelation is found (order 0): the paper's "// &
-         "filters have nothing to separate, and halve whatever passes", note=.true.)
+      if (channel%ar%order == 0) call add_text(channel%warnings, "no autocorrelation is found "// &
+         "(order 0): the paper's filters have nothing to separate, and halve whatever passes", &
+         note=.true.)
+      if (capped) call add_text(channel%warnings, "the record is short: AR orders up to "// &
+         integer_text(int(most, int64))//" are compared", note=.true.)
    end subroutine warn_order
 
    !> What the tests and the model say against the use of their results.
    pure subroutine warn_model(channel)
-      !> Tests and AR model are filled as far as they are available; gets warnings
+      !> Tests are filled as far as they are available, and the AR model; gets warnings
       type(channel_result_type), intent(inout) :: channel
 
-      if (.not. channel%available%ar) return
-      if (channel%ar%largest_order_chosen) call add_text(channel%warnings, "the largest order compared, "// &
-         integer_text(int(channel%ar%order, int64))//", was chosen: the series is not a short AR process; "// &
-         "compare BIC, raise `max_order`, or expect a drift under white noise", note=.true.)
-      associate (test => channel%ar%residual_ljung_box)
-         if (test%lags > 0 .and. test%p_value < significant .and. test%largest_rho > negligible_rho) then
-            call add_text(channel%warnings, "the residuals of AR("//integer_text(int(channel%ar%order, int64))// &
-                          ") are not white (an autocorrelation of "//format_real(test%largest_rho, 2)// &
-                          "): the model is incomplete")
-         end if
+      associate (ar => channel%ar, test => channel%ar%residual_ljung_box)
+         if (ar%largest_order_chosen) call add_text(channel%warnings, "the largest order "// &
+            "compared, "//integer_text(int(ar%order, int64))//", was chosen: the series is not "// &
+            "a "//"short AR process; compare BIC, raise `max_order`, or expect a drift under "// &
+            "white "//"noise", note=.true.)
+         if (test%lags > 0 .and. test%p_value < significant .and. &
+             test%largest_rho > negligible_rho) call add_text(channel%warnings, &
+            "the residuals of AR("//integer_text(int(ar%order, int64))// &
+            ") are not white (an autocorrelation of "//format_real(test%largest_rho, 2)// &
+            "): the model is incomplete")
       end associate
    end subroutine warn_model
 
@@ -156,21 +155,24 @@ contains
       !> For the sample interval
       type(record_type), intent(in) :: record
       character(:), allocatable :: text, unit
+      integer :: n
 
       if (.not. channel%allan(stage%input)%available) return
-      associate (curve => channel%allan(stage%input)%curve)
-         if (size(curve%left_out) == 0) return
+      associate (curve => channel%allan(stage%input)%curve, &
+                 left_out => channel%allan(stage%input)%curve%left_out)
+         n = size(left_out)
+         if (n == 0) return
          unit = " s"
          if (.not. record%rate_known) unit = " samples"
-         text = format_real(curve%left_out(1)*curve%sample_interval, 6)
-         if (size(curve%left_out) > 1) text = text//" to "// &
-            format_real(curve%left_out(size(curve%left_out))*curve%sample_interval, 6)
-         text = "missing samples leave no windows that are complete enough for the Allan deviation at "// &
-            integer_text(size(curve%left_out, kind=int64))//" averaging "// &
-            trim(merge("time ", "times", size(curve%left_out) == 1))//", tau = "//text//unit
-         if (curve%left_out(size(curve%left_out)) > curve%m(size(curve%m))) text = text//": the curve ends at tau = "// &
+         text = format_real(left_out(1)*curve%sample_interval, 6)
+         if (n > 1) text = text//" to "//format_real(left_out(n)*curve%sample_interval, 6)
+         text = "missing samples leave no windows that are complete enough for the Allan "// &
+            "deviation at "//integer_text(int(n, int64))//" averaging "// &
+            trim(merge("time ", "times", n == 1))//", tau = "//text//unit
+         if (left_out(n) > curve%m(size(curve%m))) text = text//": the curve ends at tau = "// &
             format_real(curve%tau(size(curve%tau)), 6)//unit
-         call add_text(channel%warnings, text//"; `min_coverage` sets the share of a window that must be present", note=.true.)
+         call add_text(channel%warnings, text//"; `min_coverage` sets the share of a window "// &
+            "that must be present", note=.true.)
       end associate
    end subroutine warn_curve
 
@@ -185,15 +187,18 @@ contains
             call add_text(channel%warnings, "Allan deviation: "//not_described// &
                "; `tau_min` and `tau_max` fit a range")
          else if (noise%left_out > 0) then
-            call add_text(channel%warnings, "a filter in the sensor, a line or correlated noise bends the Allan curve at its "// &
-               "first "//integer_text(int(noise%left_out, int64))//" octaves: they are excluded from the fit", note=.true.)
+            call add_text(channel%warnings, "a filter in the sensor, a line or correlated "// &
+               "noise "//"bends the Allan curve at its first "//integer_text(int(noise%left_out, &
+               int64))//" octaves: they are excluded from the fit", note=.true.)
          end if
-         if (noise%unquantized%state == "withheld") call add_text(channel%warnings, "the step of the samples, "// &
-            format_real(channel%quantisation%step, 4)//", is not small beside the noise: N is that of the record as quantized, "// &
+         if (noise%unquantized%state == "withheld") call add_text(channel%warnings, &
+            "the step of the samples, "//format_real(channel%quantisation%step, 4)// &
+            ", is not small beside the noise: N is that of the record as quantized, "// &
             "which may be far from that of the sensor")
-         if (noise%errors_increased) call add_text(channel%warnings, &
-            "the Allan deviation is not a sum of the fitted terms: chi-square per degree of freedom is "// &
-            format_real(noise%chi2_reduced, 3)//". The errors of the coefficients are increased by its root")
+         if (noise%errors_increased) call add_text(channel%warnings, "the Allan deviation is "// &
+            "not a sum of the fitted terms: chi-square per degree of freedom is "// &
+            format_real(noise%chi2_reduced, 3)// &
+            ". The errors of the coefficients are increased by its root")
       end associate
    end subroutine warn_fit
 
@@ -208,9 +213,10 @@ contains
       if (.not. (channel%available%halves .and. channel%halves%p_value < certain)) return
       associate (halves => channel%halves)
          i = maxloc(abs(halves%score), dim=1)
-         call add_text(channel%warnings, "the noise changed during the record: at tau = "//format_real(halves%tau(i), 4)// &
-            trim(merge(" s      ", " samples", rate_known))//" the second half has "//format_real(halves%ratio(i), 3)// &
-            " times the Allan deviation of the first; the coefficients are those of both together", &
+         call add_text(channel%warnings, "the noise changed during the record: at tau = "// &
+            format_real(halves%tau(i), 4)//trim(merge(" s      ", " samples", rate_known))// &
+            " the second half has "//format_real(halves%ratio(i), 3)//" times the Allan "// &
+            "deviation of the first; the coefficients are those of both together", &
             note=abs(halves%ratio(i) - 1) < small_change)
       end associate
    end subroutine warn_halves
@@ -221,7 +227,7 @@ contains
       type(channel_result_type), intent(inout) :: channel
 
       call add_text(channel%warnings, "the filters work on the series less its mean of "// &
-                    format_real(channel%cleaned%mean, 5)//"; their outputs are without it", note=.true.)
+         format_real(channel%cleaned%mean, 5)//"; their outputs are without it", note=.true.)
    end subroutine warn_centred
 
    !> The length of `moment`.

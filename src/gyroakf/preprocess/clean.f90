@@ -5,29 +5,36 @@ module gyroakf_preprocess_clean
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
+   use gyroakf_stats_autocovariance, only : check_series
    use gyroakf_stats_moments, only : moments_type, compute_moments
-   use gyroakf_stats_trend, only : largest_degree
+   use gyroakf_stats_trend, only : trend_type, remove_trend, largest_degree
+   use gyroakf_stats_trend_fit, only : fit_trend
    use gyroakf_preprocess_auto_outliers, only : find_auto_outliers
-   use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold
-   use gyroakf_preprocess_local_outliers, only : largest_half_width
+   use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, &
+      & mark_outliers, robust_centre
+   use gyroakf_preprocess_local_outliers, only : largest_half_width, mark_hampel
    use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut
    use gyroakf_preprocess_clean_types, only : clean_options, clean_type
-   use gyroakf_preprocess_clean_rounds, only : run_rounds, detrend, set_mask
+   use gyroakf_preprocess_running_residual, only : find_coarse_step
    implicit none (type, external)
    private
    public :: clean_options, clean_type, clean_series
+
+   !> Rounds in which a mark may be taken back
+   integer, parameter :: free_rounds = 12
 
 contains
 
    !> Marks outliers as missing and subtracts the trend.
    !>
-   !> `auto` looks for outliers about a running median ([[find_auto_outliers]]); the trend is fitted to what is left. The other
-   !> rules judge by the distance from the trend, in rounds: each fits the trend to the inliers and judges every present sample,
-   !> so that one marked by mistake comes back, until the marks stay. After twelve rounds no mark is taken back, which ends the
-   !> rounds where samples at the very limit would go to and fro. Where they end before the marks stay, the trend is fitted once
-   !> more, to what is left. No scale of theirs is less than half a quantization step ([[find_coarse_step]]): a record that sits on
-   !> one level and now and then on the next has no outliers.
-   !> Memory: the results, 9 bytes a sample.
+   !> `auto` looks for outliers about a running median ([[find_auto_outliers]]); the trend is fitted
+   !> to what is left. The other rules judge by the distance from the trend, in rounds: each fits
+   !> the trend to the inliers and judges every present sample, so that one marked by mistake comes
+   !> back, until the marks stay. After twelve rounds no mark is taken back, which ends the rounds
+   !> where samples at the very limit would go to and fro. Where they end before the marks stay, the
+   !> trend is fitted once more, to what is left. No scale of theirs is less than half a
+   !> quantization step ([[find_coarse_step]]): a record that sits on one level and now and then on
+   !> the next has no outliers. Memory: the results, 9 bytes a sample.
    subroutine clean_series(x, options, cleaned, present_out, result, error, valid, progress)
       !> Series: [n], n >= 1, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -35,11 +42,11 @@ contains
       type(clean_options), intent(in) :: options
       !> Series less its trend, 0 where missing: [n]
       real(dp), allocatable, intent(out) :: cleaned(:)
-      !> 1 present, 0 missing (before, or an outlier): [n]; allocated only where something is missing
+      !> 1 present, 0 missing or an outlier: [n]; allocated only where there is such a sample
       integer(int8), allocatable, intent(out) :: present_out(:)
       !> What was removed
       type(clean_type), intent(out) :: result
-      !> invalid_argument, not_supported, too_few_samples, singular, non_finite, no_memory, cancelled
+      !> invalid_argument, too_few_samples, singular, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -48,34 +55,48 @@ contains
       type(moments_type) :: moments
       real(dp) :: z
       integer(int64) :: found
+      integer :: stat
 
       call check_options(x, options, found, error, valid)
       if (allocated(error)) return
-      call allocate_results(x, options, cleaned, present_out, error, valid)
+      allocate (cleaned(size(x, kind=int64)), stat=stat)
+      if (stat == 0 .and. (present(valid) .or. options%method /= "none")) allocate ( &
+         & present_out(size(x, kind=int64)), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the cleaned series")
       if (allocated(error)) return
+      if (allocated(present_out)) present_out = 1_int8
+      if (present(valid)) present_out = merge(1_int8, 0_int8, valid /= 0_int8)
       result%method = options%method
-      result%threshold = options%threshold
       if (options%method == "hampel") result%half_width = options%half_width
-      if (options%method == "none") then
-         result%threshold = 0.0_dp
+      if (options%method /= "none") result%threshold = options%threshold
+      if (.not. options%threshold > 0.0_dp) result%threshold = default_threshold( &
+         & trim(options%method), found)
+      select case (options%method)
+      case ("none")
          call detrend(x, options%degree, cleaned, result%trend, error, valid, progress)
-      else
-         if (.not. options%threshold > 0.0_dp) result%threshold = default_threshold(trim(options%method), found)
-         if (options%method == "auto") then
-            z = result%threshold
-            call find_auto_outliers(x, z, present_out, result%threshold, result%motion, error, valid, progress)
-            if (allocated(error)) return
-            result%passes = 1
-            result%removed = found - count(present_out /= 0_int8, kind=int64)
-            call detrend(x, options%degree, cleaned, result%trend, error, present_out, progress)
-         else
-            call run_rounds(x, options, cleaned, present_out, moments, result, error, valid, progress)
-         end if
-      end if
-      if (.not. allocated(error)) call report_progress("cleaning", 0_int64, 0_int64, error, progress)
-      if (allocated(error)) return
-      call finish(cleaned, present_out, found, options%max_passes, moments, result, error, valid)
+      case ("auto")
+         z = result%threshold
+         call find_auto_outliers(x, z, present_out, result%threshold, result%motion, error, valid, &
+            & progress)
+         if (allocated(error)) return
+         result%passes = 1
+         result%removed = found - count(present_out /= 0_int8, kind=int64)
+         call detrend(x, options%degree, cleaned, result%trend, error, present_out, progress)
+      case default
+         call run_rounds(x, options, cleaned, present_out, moments, result, error, valid, progress)
+      end select
+      if (.not. allocated(error)) call still_cleaning(error, progress)
+      if (.not. allocated(error)) call finish(cleaned, present_out, found, options%max_passes, &
+         & moments, result, error, valid)
    end subroutine clean_series
+
+   !> Asks the callback whether to go on.
+   subroutine still_cleaning(error, progress)
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+
+      call report_progress("cleaning", 0_int64, 0_int64, error, progress)
+   end subroutine still_cleaning
 
    !> Refuses options out of range and a series without a present sample.
    subroutine check_options(x, options, found, error, valid)
@@ -85,55 +106,106 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       character(120) :: text
-      logical :: bad
+      logical :: good
 
       found = size(x, kind=int64)
       call check_method(trim(options%method), error)
       if (allocated(error)) return
-      bad = .not. ieee_is_finite(options%threshold)
-      if (.not. bad) bad = options%threshold < 0.0_dp
-      if (bad) then
-         call fatal_error(error, status%invalid_argument, "the outlier threshold must be positive, or 0 for the method's own")
+      good = ieee_is_finite(options%threshold)
+      if (good) good = options%threshold >= 0.0_dp
+      if (.not. good) then
+         call fatal_error(error, status%invalid_argument, &
+            & "the outlier threshold must be positive, or 0 for the method's own")
       else if (options%max_passes < 1) then
-         call fatal_error(error, status%invalid_argument, "at least one round is needed to find outliers")
+         call fatal_error(error, status%invalid_argument, &
+            & "at least one round is needed to find outliers")
       else if (options%half_width < 1 .or. options%half_width > largest_half_width) then
-         write (text, '("the half-width of the window must be 1 .. ", i0, ", it is ", i0)') largest_half_width, options%half_width
+         write (text, "(2(a, i0))") "the half-width of the window must be 1 .. ", &
+            & largest_half_width, ", it is ", options%half_width
          call fatal_error(error, status%invalid_argument, trim(text))
       else if (options%degree < -1 .or. options%degree > largest_degree) then
-         write (text, '("the degree of the trend must be -1 .. ", i0, ", it is ", i0)') largest_degree, options%degree
+         write (text, "(2(a, i0))") "the degree of the trend must be -1 .. ", largest_degree, &
+            & ", it is ", options%degree
          call fatal_error(error, status%invalid_argument, trim(text))
       else
-         if (present(valid)) then
-            if (size(valid, kind=int64) /= found) then
-               call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
-               return
-            end if
-            found = count(valid /= 0_int8, kind=int64)
-         end if
-         if (found < 1) call fatal_error(error, status%too_few_samples, "no sample of the series is present")
+         if (found > 0) call check_series(found, 0, error, valid)
+         if (allocated(error)) return
+         if (present(valid)) found = count(valid /= 0_int8, kind=int64)
+         if (found < 1) call fatal_error(error, status%too_few_samples, &
+            & "no sample of the series is present")
       end if
    end subroutine check_options
 
-   !> Allocates the results; the mask only where it is needed.
-   subroutine allocate_results(x, options, cleaned, mask, error, valid)
-      real(dp), intent(in) :: x(:)
+   !> Fits the trend to the samples of the mask and subtracts it from all.
+   subroutine detrend(x, degree, cleaned, trend, error, mask, progress)
+      real(dp), intent(in), contiguous :: x(:)
+      integer, intent(in) :: degree
+      real(dp), intent(inout), contiguous :: cleaned(:)
+      type(trend_type), intent(out) :: trend
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: mask(:)
+      class(progress_type), intent(inout), optional :: progress
+
+      call fit_trend(x, degree, trend, error, mask, progress)
+      if (.not. allocated(error)) call still_cleaning(error, progress)
+      if (allocated(error)) return
+      cleaned(:) = x
+      call remove_trend(trend, cleaned)
+   end subroutine detrend
+
+   !> The rounds, until nothing changes.
+   subroutine run_rounds(x, options, cleaned, mask, moments, result, error, valid, progress)
+      real(dp), intent(in), contiguous :: x(:)
       type(clean_options), intent(in) :: options
-      real(dp), allocatable, intent(out) :: cleaned(:)
-      !> Mask, a copy of valid
-      integer(int8), allocatable, intent(out) :: mask(:)
+      real(dp), intent(inout), contiguous :: cleaned(:)
+      integer(int8), intent(inout), contiguous :: mask(:)
+      !> Of the inliers, where the last round took them; else its count is 0
+      type(moments_type), intent(out) :: moments
+      !> threshold is set; passes, removed, converged and trend are filled
+      type(clean_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
-      integer :: stat
+      class(progress_type), intent(inout), optional :: progress
+      integer(int64) :: changed
+      real(dp) :: step, limit, centre, scale
+      logical :: keep
 
-      allocate (cleaned(size(x, kind=int64)), stat=stat)
-      if (stat == 0 .and. (present(valid) .or. options%method /= "none")) then
-         allocate (mask(size(x, kind=int64)), stat=stat)
-         if (stat == 0) then
-            call set_mask(mask, valid)
-         end if
-      end if
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the cleaned series")
-   end subroutine allocate_results
+      call still_cleaning(error, progress)
+      if (.not. allocated(error)) call find_coarse_step(x, step, error, valid)
+      if (allocated(error)) return
+      ! no limit is below that of half a quantization step, nor within rounding errors
+      limit = max(0.5_dp*step*result%threshold, &
+         & 16.0_dp*epsilon(x)*maxval(abs(x), mask=mask /= 0_int8))
+      do while (result%passes < options%max_passes)
+         result%passes = result%passes + 1
+         keep = result%passes > free_rounds
+         call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
+         if (.not. allocated(error)) call still_cleaning(error, progress)
+         if (allocated(error)) return
+         select case (options%method)
+         case ("hampel")
+            call mark_hampel(cleaned, options%half_width, result%threshold, &
+               & limit/result%threshold, keep, mask, changed, result%removed, error, valid, &
+               & progress)
+         case ("mad")
+            call robust_centre(cleaned, centre, scale, error, valid, progress)
+         case default
+            call compute_moments(cleaned, moments, mask)
+            centre = moments%mean
+            scale = moments%std
+         end select
+         if (.not. allocated(error)) call still_cleaning(error, progress)
+         if (allocated(error)) return
+         if (options%method /= "hampel") call mark_outliers(cleaned, centre, &
+            & max(result%threshold*scale, limit), keep, mask, changed, result%removed, valid)
+         result%converged = changed == 0
+         if (result%converged) return
+         result%converged = options%method == "hampel" .and. options%degree < 1
+         if (result%converged) exit                                  ! a constant changes no mark
+      end do
+      moments = moments_type()
+      call detrend(x, options%degree, cleaned, result%trend, error, mask, progress)
+   end subroutine run_rounds
 
    !> Indices of the outliers, 0 where missing, mean and variance.
    subroutine finish(cleaned, mask, found, max_passes, moments, result, error, valid)
@@ -142,21 +214,28 @@ contains
       integer(int8), allocatable, intent(inout) :: mask(:)
       integer(int64), intent(in) :: found
       integer, intent(in) :: max_passes
-      !> Of the inliers, where they are known; else its count is 0
       type(moments_type), intent(inout) :: moments
       type(clean_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: i, k
       integer :: stat
 
       result%fraction = real(result%removed, dp)/real(found, dp)
       allocate (result%outlier(result%removed), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the list of outliers")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the list of outliers")
+      if (allocated(error)) return
       if (allocated(mask)) then
-         call list_outliers(cleaned, mask, result%outlier, valid)
+         k = 0
+         do i = 1, size(mask, kind=int64)
+            if (mask(i) /= 0_int8) cycle
+            cleaned(i) = 0.0_dp
+            if (present(valid)) then
+               if (valid(i) == 0_int8) cycle
+            end if
+            k = k + 1
+            result%outlier(k) = i
+         end do
          if (found == size(mask, kind=int64) .and. result%removed == 0) deallocate (mask)
       end if
       if (moments%count == 0) call compute_moments(cleaned, moments, mask)
@@ -165,31 +244,10 @@ contains
       call correct_variance(found, max_passes, result)
    end subroutine finish
 
-   !> Indices of the outliers; 0 in place of what is missing.
-   pure subroutine list_outliers(cleaned, mask, outlier, valid)
-      real(dp), intent(inout), contiguous :: cleaned(:)
-      integer(int8), intent(in), contiguous :: mask(:)
-      integer(int64), intent(inout) :: outlier(:)
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: i, k
-
-      k = 0
-      do i = 1, size(mask, kind=int64)
-         if (mask(i) /= 0_int8) cycle
-         cleaned(i) = 0.0_dp
-         if (present(valid)) then
-            if (valid(i) == 0_int8) cycle
-         end if
-         k = k + 1
-         outlier(k) = i
-      end do
-   end subroutine list_outliers
-
    !> False alarms to expect, and the variance that the noise had before it was cut.
    pure subroutine correct_variance(found, max_passes, result)
       integer(int64), intent(in) :: found
       integer, intent(in) :: max_passes
-      !> method, threshold, passes, converged, half_width and variance are set
       type(clean_type), intent(inout) :: result
       real(dp) :: kept
       integer :: rounds
@@ -197,10 +255,8 @@ contains
       result%corrected_variance = result%variance
       if (result%method == "none") return
       rounds = merge(0, result%passes, result%converged .and. max_passes > 1)
-      result%expected = expected_false_alarms(result%method, result%threshold, found, rounds, result%half_width)
-      if (result%method == "pauta") then
-         result%blind = real(found - 1, dp) <= result%threshold*sqrt(real(found, dp))
-      end if
+      result%expected = expected_false_alarms(result%method, result%threshold, found, rounds, &
+         & result%half_width)
       select case (result%method)
       case ("hampel"); kept = 0.0_dp
       case ("auto", "mad"); kept = truncated_deviation(result%threshold)

@@ -43,16 +43,15 @@ module gyroakf_preprocess_clean_types
       real(dp) :: variance = 0.0_dp
       !> .false.: the marks still changed in the last round
       logical :: converged = .true.
-      !> Samples that the rule would mark, on average, of white normal noise of this length without outliers
+      !> Samples that the rule marks on average of white normal noise of this length
       real(dp) :: expected = 0.0_dp
-      !> The variance of normal noise that the cleaned series was cut from, u^2: the variance over the share that cutting leaves of
-      !> it (see gyroakf_preprocess_truncation); a statement, nothing uses it. 0 where it is not known (hampel)
+      !> The variance of normal noise that the cleaned series was cut from, u^2: the variance over
+      !> the share that cutting leaves of it (see gyroakf_preprocess_truncation); a statement,
+      !> nothing uses it. 0 where it is not known (hampel)
       real(dp) :: corrected_variance = 0.0_dp
-      !> There are so few samples that none can be as far from their mean as the threshold is
-      logical :: blind = .false.
       !> Samples on either side, with hampel; else 0
       integer :: half_width = 0
-      !> With auto: first and last sample of each stretch of motion, which is left as it is: [2, stretches]; else unallocated
+      !> With auto: first and last sample of each stretch of motion, which is left: [2, stretches]
       integer(int64), allocatable :: motion(:, :)
    end type clean_type
 

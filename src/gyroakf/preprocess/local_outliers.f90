@@ -15,11 +15,9 @@ module gyroakf_preprocess_local_outliers
    use gyroakf_chunks, only : threads_from
    use gyroakf_threads, only : thread_count
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_preprocess_median_window, only : window_type, insert_value, remove_value, &
-      replace_value, window_median, window_deviation
    implicit none (type, external)
    private
-   public :: mark_hampel, set_mark, largest_half_width, least_present
+   public :: mark_hampel, set_mark, largest_half_width, least_present, mad_to_sigma
 
    !> Largest k
    integer, parameter :: largest_half_width = 100000
@@ -29,26 +27,34 @@ module gyroakf_preprocess_local_outliers
    real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
    !> Samples of a stretch, or so many windows where these are longer
    integer(int64), parameter :: stretch_length = 16384, stretch_windows = 8
-   !> Work between two calls of progress; a step of the window costs 100 plus its length, in fifths of
-   !> a nanosecond
+   !> Work between two calls of progress: a step costs 100 plus the window's length (0.2 ns)
    integer(int64), parameter :: progress_cost = 50000000
+
+   !> Values in ascending order. One that leaves and one that enters cost two binary searches and a
+   !> shift of what lies between them; up to some thousand values that is cheaper than any tree.
+   type :: window_type
+      !> How many there are
+      integer :: count = 0
+      !> The values, then unused elements: [capacity]; allocated by the caller
+      real(dp), allocatable :: value(:)
+   end type window_type
 
 contains
 
    !> Marks the samples that stand out of their neighborhood.
    !>
-   !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD of the window.
-   !> Outliers among the neighbors do not count as long as they are less than half of them. Memory: a
-   !> window for each of the stretches that are worked on at the same time, some times the threads.
-   subroutine mark_hampel(x, half_width, threshold, floor, keep, inlier, changed, removed, error, valid, progress)
+   !> Marked is $$|x_i - m_i| > t\,\max(1.4826\,\mathrm{MAD}_i, f)$$ with the median m and the MAD
+   !> of the window. Outliers among the neighbors do not count as long as they are less than half of
+   !> them. Memory: some windows for each thread.
+   subroutine mark_hampel(x, half_width, threshold, floor, keep, inlier, changed, removed, error, &
+      & valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> k, 1 .. 100,000; about k samples in a row, at most, can be recognized as outliers
       integer, intent(in) :: half_width
       !> t in standard deviations, > 0
       real(dp), intent(in) :: threshold
-      !> f, the least scale, >= 0: half a quantization step, so that a window on one level does not lose
-      !> all others
+      !> f, the least scale, >= 0: half a quantization step keeps the neighbor levels
       real(dp), intent(in) :: floor
       !> .true.: a mark stays, whatever the limit
       logical, intent(in) :: keep
@@ -64,17 +70,22 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(window_type), allocatable :: window(:)
       integer(int64) :: n, length, stretches, steps, part, first, last, done, judged, stretch
-      integer :: k
+      integer :: k, stat
 
       changed = 0
       removed = 0
       n = size(x, kind=int64)
-      k = int(min(int(half_width, int64), n))                          ! a wider window has no sample more
+      k = int(min(int(half_width, int64), n))                 ! a wider window has no sample more
       length = max(stretch_length, stretch_windows*int(2*k + 1, int64))
       stretches = (n + length - 1)/length
       steps = length + 2*k
       part = max(progress_cost/(100 + 2*k), 1_int64)
-      call make_windows(min(stretches, thread_count()*max(part/steps, 1_int64)), k, window, error)
+      allocate (window(min(stretches, thread_count()*max(part/steps, 1_int64))), stat=stat)
+      do first = 1, size(window, kind=int64)
+         if (stat == 0) allocate (window(first)%value(2*k + 1), stat=stat)
+      end do
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the windows of the Hampel filter")
       if (allocated(error)) return
       do first = 1, stretches, size(window, kind=int64)
          last = min(first + size(window, kind=int64) - 1, stretches)
@@ -94,29 +105,10 @@ contains
       end do
    end subroutine mark_hampel
 
-   !> Allocates the windows of the stretches that are worked on at the same time.
-   subroutine make_windows(number, half_width, window, error)
-      integer(int64), intent(in) :: number
-      integer, intent(in) :: half_width
-      type(window_type), allocatable, intent(out) :: window(:)
-      type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: i
-      integer :: stat
-
-      allocate (window(number), stat=stat)
-      if (stat == 0) then
-         do i = 1, number
-            allocate (window(i)%value(2*half_width + 1), stat=stat)
-            if (stat /= 0) exit
-         end do
-      end if
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the windows of the Hampel filter")
-   end subroutine make_windows
-
-   !> Some steps of the stretch first:last: in each a sample enters the window, and that in its middle,
-   !> if it is of the stretch, is judged. `done` steps were made before; last - first + 1 + 2k are all.
-   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, keep, window, inlier, changed, &
-      & removed, valid)
+   !> Some steps of the stretch first:last: in each a sample enters the window, and that in its
+   !> middle, if it is of the stretch, is judged. `done` of last - first + 1 + 2k were made before.
+   pure subroutine judge_stretch(x, first, last, done, steps, half_width, threshold, floor, keep, &
+      & window, inlier, changed, removed, valid)
       real(dp), intent(in), contiguous :: x(:)
       integer(int64), intent(in) :: first, last, done, steps, half_width
       real(dp), intent(in) :: threshold, floor
@@ -141,7 +133,7 @@ contains
       end do
    end subroutine judge_stretch
 
-   !> One sample leaves the window, one enters; those that are missing or beyond the record do neither.
+   !> One sample leaves the window, one enters; missing ones and those beyond the record do not.
    pure subroutine advance(x, leaving, entering, window, valid)
       real(dp), intent(in), contiguous :: x(:)
       integer(int64), intent(in) :: leaving, entering
@@ -195,5 +187,117 @@ contains
       if (mark /= inlier) changed = changed + 1
       inlier = mark
    end subroutine set_mark
+
+   !> Inserts a value; the window must not be full.
+   pure subroutine insert_value(window, x)
+      type(window_type), intent(inout) :: window
+      real(dp), intent(in) :: x
+      integer :: i, place
+
+      place = count_below(window, x)
+      do i = window%count, place + 1, -1
+         window%value(i + 1) = window%value(i)
+      end do
+      window%value(place + 1) = x
+      window%count = window%count + 1
+   end subroutine insert_value
+
+   !> Takes a value out.
+   pure subroutine remove_value(window, x)
+      type(window_type), intent(inout) :: window
+      real(dp), intent(in) :: x
+      integer :: i
+
+      do i = count_below(window, x) + 1, window%count - 1
+         window%value(i) = window%value(i + 1)
+      end do
+      window%count = window%count - 1
+   end subroutine remove_value
+
+   !> Takes a value out and puts another one in.
+   pure subroutine replace_value(window, old, new)
+      type(window_type), intent(inout) :: window
+      real(dp), intent(in) :: old, new
+      integer :: i, from, to
+
+      from = count_below(window, old) + 1
+      to = count_below(window, new)
+      if (to >= from) then
+         do i = from, to - 1
+            window%value(i) = window%value(i + 1)
+         end do
+         window%value(to) = new
+      else
+         do i = from, to + 2, -1
+            window%value(i) = window%value(i - 1)
+         end do
+         window%value(to + 1) = new
+      end if
+   end subroutine replace_value
+
+   !> How many values are smaller.
+   pure integer function count_below(window, x)
+      type(window_type), intent(in) :: window
+      real(dp), intent(in) :: x
+      integer :: rest, half
+
+      count_below = 0
+      rest = window%count
+      do while (rest > 0)
+         half = (rest + 1)/2
+         if (window%value(count_below + half) < x) then
+            count_below = count_below + half
+            rest = rest - half
+         else
+            rest = half - 1
+         end if
+      end do
+   end function count_below
+
+   !> Median; the mean of the two middle values for an even number.
+   pure real(dp) function window_median(window)
+      type(window_type), intent(in) :: window
+      integer :: middle
+
+      middle = (window%count + 1)/2
+      window_median = window%value(middle)
+      if (mod(window%count, 2) == 0) window_median = 0.5_dp*window_median &
+         & + 0.5_dp*window%value(middle + 1)
+   end function window_median
+
+   !> Median of the distances from the median.
+   !>
+   !> The distances of the lower half, from the middle outwards, and those of the upper half are two
+   !> ascending lists; how many of the smaller half come from the lower list is found by bisection.
+   pure real(dp) function window_deviation(window, median)
+      type(window_type), intent(in) :: window
+      real(dp), intent(in) :: median
+      integer :: lower, wanted, least, most, taken
+      real(dp) :: next
+
+      lower = (window%count + 1)/2
+      wanted = lower
+      least = max(0, wanted - (window%count - lower))
+      most = wanted
+      do while (least < most)
+         taken = (least + most)/2
+         if (median - window%value(lower - taken) &
+            & < window%value(lower + wanted - taken) - median) then
+            least = taken + 1
+         else
+            most = taken
+         end if
+      end do
+      window_deviation = 0.0_dp
+      if (least > 0) window_deviation = median - window%value(lower + 1 - least)
+      if (wanted > least) window_deviation = max(window_deviation, &
+         & window%value(lower + wanted - least) - median)
+      if (mod(window%count, 2) == 1) return
+      next = huge(next)
+      if (least < lower) next = median - window%value(lower - least)
+      if (wanted - least < window%count - lower) next = min(next, &
+         & window%value(lower + wanted - least + 1) - median)
+      window_deviation = 0.5_dp*window_deviation + 0.5_dp*next
+   end function window_deviation
 
 end module gyroakf_preprocess_local_outliers

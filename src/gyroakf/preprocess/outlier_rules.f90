@@ -4,14 +4,15 @@
 !> | method | centre and scale | threshold |
 !> |---|---|---|
 !> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
-!> | `auto`  | running median, and the median distance from it ([[find_auto_outliers]]) | for the length of the record |
+!> | `auto`  | running median, median distance from it ([[find_auto_outliers]]) | for the length |
 !> | `mad`   | median and 1.4826 MAD | 4.5 |
-!> | `hampel` | median and 1.4826 MAD of the sample's neighborhood (gyroakf_preprocess_local_outliers) | 3 |
+!> | `hampel` | median and 1.4826 MAD of the sample's neighborhood ([[mark_hampel]]) | 3 |
 !>
-!> Mean and standard deviation of n samples let none of them be further off than (n-1)/sqrt(n) standard deviations: 3 sigma
-!> rejects nothing below 11 samples.
+!> Mean and standard deviation of n samples let none of them be further off than (n-1)/sqrt(n)
+!> standard deviations: 3 sigma rejects nothing below 11 samples.
 !>
-!> Sources: Pauta's rule as in the paper; Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393 for the MAD.
+!> Sources: Pauta's rule as in the paper; Hampel, J. Amer. Stat. Assoc. 69 (1974) 383-393 for the
+!> MAD.
 module gyroakf_preprocess_outlier_rules
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -19,13 +20,10 @@ module gyroakf_preprocess_outlier_rules
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_select, only : find_median, find_deviation
    use gyroakf_preprocess_auto_outliers, only : auto_threshold
-   use gyroakf_preprocess_local_outliers, only : set_mark
+   use gyroakf_preprocess_local_outliers, only : mad_to_sigma, set_mark
    implicit none (type, external)
    private
    public :: check_method, default_threshold, robust_centre, mark_outliers
-
-   !> MAD of a normal distribution times this is its standard deviation: 1/Phi^-1(3/4)
-   real(dp), parameter :: mad_to_sigma = 1.4826022185056018_dp
 
 contains
 
@@ -39,8 +37,8 @@ contains
       select case (method)
       case ("none", "auto", "pauta", "mad", "hampel")
       case default
-         call fatal_error(error, status%invalid_argument, &
-            & "unknown outlier method '"//trim(method)//"'; there are none, auto, pauta, mad, hampel")
+         call fatal_error(error, status%invalid_argument, "unknown outlier method '" &
+            & //trim(method)//"'; there are none, auto, pauta, mad, hampel")
       end select
    end subroutine check_method
 
@@ -74,7 +72,8 @@ contains
 
       scale = 0.0_dp
       call find_median(x, centre, error, valid)
-      if (.not. allocated(error)) call report_progress("cleaning", 0_int64, 0_int64, error, progress)
+      if (allocated(error)) return
+      call report_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
       call find_deviation(x, centre, scale, error, valid)
       scale = mad_to_sigma*scale
@@ -99,7 +98,8 @@ contains
       n = size(x, kind=int64)
       changed = 0
       removed = 0
-      !$omp parallel do if (n >= threads_from) default(shared) reduction(+:changed, removed) schedule(static)
+      !$omp parallel do if (n >= threads_from) default(shared) reduction(+:changed, removed) &
+      !$omp& schedule(static)
       do i = 1, n
          if (present(valid)) then
             if (valid(i) == 0_int8) cycle

@@ -3,9 +3,9 @@
 !>
 !> $$ r_i = |x_i - \mathrm{median}(x_{i-5}, \ldots, x_{i+5})| $$
 !>
-!> A median keeps steps, ramps and warm-ups, and five bad samples of eleven do not move it. The record is mirrored at its ends,
-!> missing samples are bridged by straight lines. Quantized samples are spread uniformly over their step by fixed numbers:
-!> without these the quantiles of r are 0 or a step.
+!> A median keeps steps, ramps and warm-ups, and five bad samples of eleven do not move it. The
+!> record is mirrored at its ends, missing samples are bridged by straight lines. Quantized samples
+!> are spread over their step by fixed numbers: else the quantiles of r are 0 or a step.
 module gyroakf_preprocess_running_residual
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -14,20 +14,22 @@ module gyroakf_preprocess_running_residual
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
-   public :: block_residuals, block_size, find_coarse_step, half, is_present, present_bit, take_medians, window
+   public :: block_residuals, block_size, find_coarse_step, half, is_present, present_bit, &
+      & take_medians, window
 
    !> Samples on either side of the center of a window, of a window, and of a block
    integer, parameter :: half = 5, window = 2*half + 1, block_size = 256
    !> Bit of a mark: the sample is present
    integer(int8), parameter :: present_bit = 1_int8
-   !> Samples that a quantization is looked for in, and the share of them that is distinct where there is none
+   !> Samples searched for a quantization; one in so many is distinct where there is none
    integer(int64), parameter :: step_samples = 100000, distinct_share = 4
    !> Least number of samples off the median for a quantization
    integer, parameter :: min_off_median = 10
    !> Values are distinct that differ by more than this share of the standard deviation
    real(dp), parameter :: distinct = 1.0e-9_dp
    !> Factors and mask of the scrambling of 32 bits
-   integer(int64), parameter :: scramble(2) = [int(z'21F0AAAD', int64), int(z'735A2D97', int64)], mask32 = 2_int64**32 - 1
+   integer(int64), parameter :: scramble(2) = [int(z'21F0AAAD', int64), int(z'735A2D97', int64)], &
+      & mask32 = 2_int64**32 - 1
 
 contains
 
@@ -72,7 +74,8 @@ contains
       do j = 1, columns
          w(:, j) = y(j:j + stride*(block_size - 1):stride)
       end do
-      do next = columns + 1, window + 1                  ! the smallest and the largest of those held cannot be the median
+      ! the smallest and the largest of those held cannot be the median
+      do next = columns + 1, window + 1
          do j = 1, columns - 1
             call order(w(:, j), w(:, j + 1))
          end do
@@ -190,12 +193,11 @@ contains
       number = size(x, kind=int64)/window
       allocate (median(number), stat=stat)
       if (stat == 0) allocate (known(number), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the search for motion")
-         return
-      end if
-      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) private(y, there, medians, j, bad) &
-      !$omp& schedule(static) reduction(+:stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the search for motion")
+      if (allocated(error)) return
+      !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) &
+      !$omp& private(y, there, medians, j, bad) schedule(static) reduction(+:stat)
       do k = 0, number - 1, block_size
          bad = 0
          if (.not. allocated(y)) allocate (y(window*block_size), stat=bad)
@@ -206,18 +208,20 @@ contains
          call find_medians(y, window, medians)
          do j = 1, int(min(number - k, int(block_size, int64)))
             median(k + j) = medians(j)
-            known(k + j) = merge(present_bit, 0_int8, 2*count(there((j - 1)*window + 1:j*window)) > window)
+            known(k + j) = merge(present_bit, 0_int8, 2*count(there((j - 1)*window + 1:j*window)) &
+               & > window)
          end do
       end do
       !$omp end parallel do
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the search for motion")
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the search for motion")
    end subroutine take_medians
 
    !> Quantization step: the median distance of the distinct values among the first 100,000 samples.
    subroutine find_coarse_step(x, step, error, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> 0 where a quarter of the values or more are distinct, -1 where the series is constant but for fewer than ten samples
+      !> 0 where a quarter or more are distinct, -1 where fewer than ten samples differ
       real(dp), intent(out) :: step
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -230,10 +234,9 @@ contains
       step = 0.0_dp
       n = int(min(size(x, kind=int64), step_samples))
       allocate (value(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the search of a quantization step")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the search of a quantization step")
+      if (allocated(error)) return
       k = 0
       do i = 1, n
          if (present(valid)) then
@@ -249,7 +252,7 @@ contains
       call sort_values(value(:n), error)
       if (allocated(error)) return
       off_median = count(abs(value(:n) - value((n + 1)/2)) > deviation)
-      k = 0                                                ! the distances take the place of the values
+      k = 0                                             ! the distances take the place of the values
       do i = 1, n - 1
          distance = value(i + 1) - value(i)
          if (.not. distance > deviation) cycle

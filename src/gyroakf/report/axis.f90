@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Axes of a figure or a chart, linear or logarithmic: values to places (pixels, dots), ticks and their labels.
+!> Axes of a figure or a chart, linear or logarithmic: values to places (pixels, dots), ticks and
+!> their labels.
 module gyroakf_report_axis
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64

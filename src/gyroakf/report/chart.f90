@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Allan deviations drawn in characters: both axes logarithmic, points with their limits, the fitted model, and how steep the
-!> slopes -1/2 (white noise), 0 (bias instability) and +1/2 (random walk) are in this picture.
+!> Allan deviations drawn in characters: both axes logarithmic, points with their limits, the fitted
+!> model, and how steep the slopes -1/2 (white noise), 0 (bias instability) and +1/2 (random walk)
+!> are in this picture.
 module gyroakf_report_chart
    use gyroakf_kinds, only : dp
    use gyroakf_record, only : text_type
    use gyroakf_report_axis, only : axis_type, find_ticks, is_shown, position, set_range, tick_type
+   use gyroakf_report_number_text, only : if_known
    use gyroakf_report_text_layout, only : pad_left
    implicit none (type, external)
    private
@@ -37,13 +39,14 @@ contains
       real(dp), intent(in), optional :: model(:)
       !> Rows inside the axes, 1 or more (default 16)
       integer, intent(in), optional :: rows
-      !> [n] what marks the points (default o): of several curves, one behind the other, a letter each
+      !> [n] what marks the points (default o): of several curves, one behind the other, a letter
+      !> each
       character(1), intent(in), optional :: mark(:)
       !> What each character shows: [column, row] from the upper left corner
       integer, allocatable :: cell(:, :)
       type(axis_type) :: x, y
       logical :: usable(size(tau))
-      character(1) :: sign
+      character(1) :: sign(size(tau))
       integer :: height, column, i
 
       height = chart_rows
@@ -64,12 +67,12 @@ contains
          column = dot_of(x, tau(i))/dots_across
          cell(column, dot_of(y, upper(i))/dots_down:dot_of(y, lower(i))/dots_down) = bar
       end do
+      sign = "o"
+      if (present(mark)) sign = mark
       do i = 1, size(tau)
          if (.not. usable(i)) cycle
-         sign = "o"
-         if (present(mark)) sign = mark(i)
-         cell(dot_of(x, tau(i))/dots_across, dot_of(y, &
-                                                    deviation(i))/dots_down) = letter + iachar(sign)
+         column = dot_of(x, tau(i))/dots_across
+         cell(column, dot_of(y, deviation(i))/dots_down) = letter + iachar(sign(i))
       end do
       call draw_slopes()
       call frame_lines()
@@ -132,7 +135,8 @@ contains
                             nint(real(slope*rise*dots_down*i, dp)/real(dots_across*length, dp)))
             end do
             do k = 1, len_trim(names(slope))
-               cell(across + length + k - 1, down - slope*rise) = letter + iachar(names(slope) (k:k))
+               cell(across + length + k - 1, down - slope*rise) = &
+                  letter + iachar(names(slope) (k:k))
             end do
          end do
       end subroutine draw_slopes
@@ -140,22 +144,22 @@ contains
       !> The cells with the axes and their numbers.
       subroutine frame_lines()
          character(:), allocatable :: label, below, text
+         character(16) :: labels(0:height - 1)
          type(tick_type), allocatable :: tick(:)
          logical :: is_tick(0:chart_columns - 1)
          integer :: row, column, i
          integer :: first, last
 
          allocate (lines(height + 2))
+         labels = ""
          call find_ticks(y, spacing, tick)
+         do i = 1, size(tick)
+            if (tick(i)%label /= "") labels(dot_of(y, tick(i)%value)/dots_down) = tick(i)%label
+         end do
          do row = 0, height - 1
-            label = ""
-            do i = 1, size(tick)
-               if (tick(i)%label == "") cycle
-               if (dot_of(y, tick(i)%value)/dots_down == row) label = trim(tick(i)%label)
-            end do
-            text = "  "//pad_left(label, label_width - 1)//" "
-            if (unicode) text = text//trim(merge("┤", "│", label /= ""))
-            if (.not. unicode) text = text//merge("+", "|", label /= "")
+            text = "  "//pad_left(trim(labels(row)), label_width - 1)//" "// &
+               if_known(unicode, merge("┤", "│", labels(row) /= ""), &
+                        merge("+", "|", labels(row) /= ""))
             do column = 0, chart_columns - 1
                text = text//shown(cell(column, row), unicode)
             end do
@@ -174,10 +178,10 @@ contains
             last = first + len(label) - 1
             if (below(max(1, first - 1):min(len(below), last + 1)) == "") below(first:last) = label
          end do
-         text = repeat(" ", 2 + label_width)//trim(merge("└", "+  ", unicode))
+         text = repeat(" ", 2 + label_width)//if_known(unicode, "└", "+")
          do column = 0, chart_columns - 1
-            if (unicode) text = text//trim(merge("┴", "─", is_tick(column)))
-            if (.not. unicode) text = text//merge("+", "-", is_tick(column))
+            text = text//if_known(unicode, merge("┴", "─", is_tick(column)), &
+                                  merge("+", "-", is_tick(column)))
          end do
          lines(height + 1)%text = text
          lines(height + 2)%text = trim(below)
@@ -191,7 +195,8 @@ contains
       !> One that can be shown
       real(dp), intent(in) :: value
 
-      dot_of = nint(max(min(axis%from, axis%to), min(max(axis%from, axis%to), position(axis, value))))
+      dot_of = nint(max(min(axis%from, axis%to), &
+                        min(max(axis%from, axis%to), position(axis, value))))
    end function dot_of
 
    !> One character.
@@ -200,18 +205,13 @@ contains
       logical, intent(in) :: unicode
       character(:), allocatable :: text
 
-      if (cell > letter) then
-         text = achar(cell - letter)
-      else if (cell == bar) then
-         text = "|"
-         if (unicode) text = "│"
-      else if (cell == nothing) then
-         text = " "
-      else if (unicode) then
-         text = char(226)//char(160 + cell/64)//char(128 + modulo(cell, 64))
-      else
-         text = "."
-      end if
+      select case (cell)
+      case (letter:); text = achar(cell - letter)
+      case (bar); text = if_known(unicode, "│", "|")
+      case (nothing); text = " "
+      case default
+         text = if_known(unicode, char(226)//char(160 + cell/64)//char(128 + modulo(cell, 64)), ".")
+      end select
    end function shown
 
 end module gyroakf_report_chart

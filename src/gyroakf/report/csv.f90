@@ -6,8 +6,7 @@ module gyroakf_report_csv
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_io_columns_writer, only : begin_rows, column_type, put_rows, row_layout_type, &
-      set_even
+   use gyroakf_io_columns_writer, only : column_type, put_rows, row_layout_type
    use gyroakf_io_writer, only : format_real, put, put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type
    use gyroakf_report_description, only : description_type, unknown_type
@@ -71,12 +70,10 @@ contains
       type(column_type), pointer :: of(:)
       type(channel_result_type), pointer :: channel
       type(row_layout_type) :: layout
-      integer(int64) :: n
       integer :: c, i
 
-      n = size(record%value, 1, kind=int64)
       columns%digits = output%digits
-      call set_even(columns(1), 0_int64, record%sample_interval)
+      columns(1) = column_type(step=record%sample_interval, digits=15)
       layout%form = "text"
       if (output%form /= "csv") layout%form = output%form
       layout%stage = "writing series."//output%form
@@ -85,33 +82,39 @@ contains
          of => columns(2 + (c - 1)*size(series_names):1 + c*size(series_names))
          channel => result%channel(c)
          do i = 1, merge(size(series_names), 0, layout%form == "text")
-            call put(writer, ","//quoted(if_known(size(result%channel) > 1, channel%name// &
-                                                  "_")// &
-                                         trim(series_names(i))))
+            call put(writer, ","//quoted( &
+                     if_known(size(result%channel) > 1, channel%name//"_")//trim(series_names(i))))
          end do
          of(1)%value => record%value(:, c)
          if (allocated(record%present)) of(1)%present => record%present(:, c)
-         if (allocated(channel%series_cleaned)) of(2)%value => channel%series_cleaned
          of(2)%present => of(1)%present
-         if (allocated(channel%series_present)) of(2)%present => channel%series_present
-         if (allocated(channel%series_kf) .and. &
-             channel%available%kf) of(3)%value => channel%series_kf
-         if (allocated(channel%series_akf) .and. channel%available%akf) then
-            of(4)%value => channel%series_akf
-         end if
-         if (allocated(channel%series_drift)) of(5)%value => channel%series_drift
-         if (allocated(channel%series_compensated)) of(6)%value => channel%series_compensated
          of(6)%present => of(1)%present
-         if (allocated(channel%series_drift_kf)) of(7)%value => channel%series_drift_kf
-         if (allocated(channel%series_drift_akf)) of(8)%value => channel%series_drift_akf
+         if (allocated(channel%series_present)) of(2)%present => channel%series_present
+         call set(2, channel%series_cleaned)
+         if (channel%available%kf) call set(3, channel%series_kf)
+         if (channel%available%akf) call set(4, channel%series_akf)
+         call set(5, channel%series_drift)
+         call set(6, channel%series_compensated)
+         call set(7, channel%series_drift_kf)
+         call set(8, channel%series_drift_akf)
       end do
       if (layout%form == "text") call put_line(writer, "")
-      call begin_rows(writer, size(columns), n, layout)
-      call put_rows(writer, columns, 1_int64, n, layout, error, progress)
+      call put_rows(writer, columns, size(record%value, 1, kind=int64), layout, error, progress)
+
+   contains
+
+      !> One column, nan throughout where the series is absent.
+      subroutine set(i, series)
+         integer, intent(in) :: i
+         real(dp), intent(in), target, contiguous, optional :: series(:)
+
+         if (present(series)) of(i)%value => series
+      end subroutine set
+
    end subroutine write_series
 
-   !> A field of text, in quotes where it needs them; one that a spreadsheet would take for a formula begins
-   !> with an apostrophe.
+   !> A field of text, in quotes where it needs them; one that a spreadsheet would take for a
+   !> formula begins with an apostrophe.
    pure function quoted(text) result(field)
       !> Any
       character(*), intent(in) :: text

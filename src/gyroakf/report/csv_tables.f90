@@ -6,7 +6,7 @@ module gyroakf_report_csv_tables
    use gyroakf_units, only : term_names
    use gyroakf_io_writer, only : put, put_line, put_real, writer_type
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_ar_spectrum, only : ar_spectrum
+   use gyroakf_ar_model, only : ar_spectrum
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names
    use gyroakf_report_csv, only : quoted
    implicit none (type, external)
@@ -25,15 +25,15 @@ contains
    !> - allan.csv: a line per channel, series and tau; deviations in the unit of the input
    !> - coefficients.csv: a line per channel, series and term; the reduction stands with akf
    !> - correlation.csv: a line per channel and lag: autocorrelation, partial autocorrelation (nan
-   !>   where it does not exist), the 95 % limit of white noise and Bartlett's, Ljung-Box over the lags
-   !>   so far with its p, present pairs
+   !>   where it does not exist), the 95 % limit of white noise and Bartlett's, Ljung-Box over the
+   !>   lags so far with its p, present pairs
    !> - spectrum.csv: a line per channel and frequency of Welch's spectrum of the cleaned series:
    !>   frequency in Hz (cycles per sample without a rate), two-sided density with its limits and
    !>   one-sided density in the unit of the input squared over that of the frequency, degrees of
    !>   freedom
    !> - ar_spectrum.csv: the two-sided density of each channel's model from 0 to the Nyquist
-   !>   frequency, in the unit of the record squared times s; cycles a sample and samples where no rate
-   !>   is known. A model that is not stationary has none
+   !>   frequency, in the unit of the record squared times s; cycles a sample and samples where no
+   !>   rate is known. A model that is not stationary has none
    subroutine write_table(writer, table, result, interval)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -45,7 +45,7 @@ contains
       real(dp), intent(in) :: interval
       type(channel_result_type), pointer :: channel
       character(:), allocatable :: name, head
-      real(dp) :: frequency(0:frequency_steps), none
+      real(dp) :: frequency(0:frequency_steps)
       integer, allocatable :: lag(:)
       integer :: c, i, n
 
@@ -60,7 +60,6 @@ contains
       end select
       call put_line(writer, "channel,"//head)
       frequency = [(real(i, dp), i=0, frequency_steps)]/(2.0_dp*real(frequency_steps, dp)*interval)
-      none = where_known(0.0_dp, .false.)
       do c = 1, size(result%channel)
          channel => result%channel(c)
          name = quoted(channel%name)
@@ -82,7 +81,7 @@ contains
             case ("spectrum.csv")
                if (.not. is%spectrum) cycle
                call put_rows(name, [welch%frequency, welch%density, welch%lower, welch%upper, &
-                                    welch%one_sided, welch%edf], 6, spectrum_digits)
+                                    welch%one_sided, welch%edf], 6)
             case default
                if (.not. (is%ar .and. channel%ar%stationary)) cycle
                call put_rows(name, [frequency, (ar_spectrum(channel%ar, frequency(i), interval), &
@@ -94,14 +93,11 @@ contains
    contains
 
       !> Numbers with a comma in front of each.
-      subroutine put_numbers(values, significant)
+      subroutine put_numbers(values)
          real(dp), intent(in) :: values(:)
-         !> Digits (default 15)
-         integer, intent(in), optional :: significant
          integer :: i, wanted
 
-         wanted = digits
-         if (present(significant)) wanted = significant
+         wanted = merge(spectrum_digits, digits, table == "spectrum.csv")
          do i = 1, size(values)
             call put(writer, ",")
             call put_real(writer, values(i), wanted)
@@ -109,24 +105,24 @@ contains
       end subroutine put_numbers
 
       !> Lines of names and numbers.
-      subroutine put_rows(names, values, columns, significant)
+      subroutine put_rows(names, values, columns)
          !> Of every line
          character(*), intent(in) :: names
          !> Column after column
          real(dp), intent(in) :: values(:)
          integer, intent(in) :: columns
-         integer, intent(in), optional :: significant
          integer :: i, n
 
          n = size(values)/columns
          do i = 1, n
             call put(writer, names)
-            call put_numbers(values(i::n), significant)
+            call put_numbers(values(i::n))
             call put_line(writer, "")
          end do
       end subroutine put_rows
 
-      !> The curves of every series, with the model where one was fitted.
+      !> The curves of every series, with the model where one was fitted; it is not positive where
+      !> the fit says nothing.
       subroutine put_curves()
          real(dp), allocatable :: model(:)
          integer :: which
@@ -139,19 +135,16 @@ contains
                call put_curve(which, allan%curve, model)
                if (.not. allocated(allan%other)) cycle
                do i = 1, size(allan%other)
-                  if (allocated(allan%other(i)%tau)) then
-                     call put_curve(which, allan%other(i), 0*allan%other(i)%tau)
-                  end if
+                  if (.not. allocated(allan%other(i)%tau)) cycle
+                  call put_curve(which, allan%other(i), 0*allan%other(i)%tau)
                end do
             end associate
          end do
       end subroutine put_curves
 
-      !> One curve.
       subroutine put_curve(which, curve, model)
          integer, intent(in) :: which
          type(allan_curve_type), intent(in) :: curve
-         !> Fitted deviations, not positive where the fit says nothing
          real(dp), intent(in) :: model(:)
 
          call put_rows(name//","//trim(stage_names(which))//","//trim(curve%kind), &

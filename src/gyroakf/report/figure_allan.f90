@@ -4,8 +4,8 @@
 module gyroakf_report_figure_allan
    use gyroakf_allan_read_off, only : least_edf
    use gyroakf_kinds, only : dp
-   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, pipeline_result_type, &
-      stage
+   use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, &
+      pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
    use gyroakf_report_sign, only : to_unicode
@@ -13,7 +13,8 @@ module gyroakf_report_figure_allan
    use gyroakf_report_svg_series, only : color_count, series_type
    use gyroakf_report_text_answer, only : coefficient_text
    use gyroakf_report_text_layout, only : if_known, number, percent
-   use gyroakf_units, only : coefficient_unit, coefficient_unit_type, term_names
+   use gyroakf_coefficient_units, only : coefficient_unit, coefficient_unit_type
+   use gyroakf_units, only : term_names
    implicit none (type, external)
    private
    public :: build_allan_figure, build_overlay, minimum_note, alike_channels
@@ -22,8 +23,9 @@ module gyroakf_report_figure_allan
    !> over the coefficient
    integer, parameter :: drawn_terms(3) = [4, 3, 2]
    real(dp), parameter :: term_slope(5) = [-1.0_dp, -0.5_dp, 0.0_dp, 0.5_dp, 1.0_dp]
-   real(dp), parameter :: term_height(5) = [sqrt(3.0_dp), 1.0_dp, sqrt(2*log(2.0_dp)/acos(-1.0_dp)), &
-                                          sqrt(1/3.0_dp), sqrt(0.5_dp)]
+   real(dp), parameter :: term_height(5) = [sqrt(3.0_dp), 1.0_dp, &
+                                            sqrt(2*log(2.0_dp)/acos(-1.0_dp)), sqrt(1/3.0_dp), &
+                                            sqrt(0.5_dp)]
    !> Relative difference of averaging times that are the same
    real(dp), parameter :: tolerance = 1.0e-6_dp
 

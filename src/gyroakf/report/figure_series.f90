@@ -30,7 +30,8 @@ contains
       type(record_type), intent(in), target :: record
       !> Of the channel in it
       integer, intent(in) :: number
-      !> Trend, drift and outliers are drawn where they are known, a drift that no model describes is not
+      !> Trend, drift and outliers are drawn where they are known, a drift that no model describes
+      !> is not
       type(channel_result_type), intent(in) :: channel
       !> The outputs of the filters, not the record
       logical, intent(in) :: filtered

@@ -27,7 +27,8 @@ module gyroakf_report_figures
 
    !> A figure and its file
    type :: named_figure_type
-      !> Below the folder of the results: figures/KIND.svg, of several channels figures/KIND-CHANNEL.svg
+      !> Below the folder of the results: figures/KIND.svg, of several channels
+      !> figures/KIND-CHANNEL.svg
       character(:), allocatable :: name
       !> overlay, allan, series, filters
       character(7) :: kind = ""
@@ -37,8 +38,8 @@ module gyroakf_report_figures
    end type named_figure_type
 
    interface
-      !> Names of a folder with an ending, each with a slash behind it, as far as the buffer holds them;
-      !> the length of all
+      !> Names of a folder with an ending, each with a slash behind it, as far as the buffer holds
+      !> them; the length of all
       integer(c_size_t) function list_files(folder, ending, names, capacity) &
          bind(C, name="gyroakf_host_list_files")
          import :: c_char, c_size_t

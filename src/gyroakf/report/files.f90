@@ -1,16 +1,18 @@
 ! SPDX-License-Identifier: MIT
-!> The result files of `--out DIR`: all are written aside first and renamed when the last one is complete.
+!> The result files of `--out DIR`: all are written aside first and renamed when the last one is
+!> complete.
 module gyroakf_report_files
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
-   use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, discard_writer, is_file, &
-      make_directory, remove_file
+   use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, &
+      discard_writer, is_file, make_directory, remove_file
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text_report, only : write_report
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_figures, only : build_figures, figure_folder, find_figures, name_length, named_figure_type
+   use gyroakf_report_figures, only : build_figures, figure_folder, find_figures, name_length, &
+      named_figure_type
    use gyroakf_report_html_page, only : write_page
    use gyroakf_report_svg, only : svg_mark, write_svg
    use gyroakf_report_csv, only : series_output_type, write_series
@@ -19,20 +21,23 @@ module gyroakf_report_files
    implicit none (type, external)
    private
    public :: after_dots, is_same_file
-   public :: write_results, remove_others, result_files, foreign_result, foreign_file, is_marked, series_output_type
+   public :: write_results, remove_others, result_files, foreign_result, foreign_file, is_marked, &
+      series_output_type
 
    !> In the order in which they are written; one of the first three
-   character(16), parameter :: result_files(11) = [character(16) :: "series.csv", "series.npy", "series.f64", "allan.csv", &
-      "coefficients.csv", "ar_spectrum.csv", "correlation.csv", "spectrum.csv", "report.txt", "results.json", &
-      "report.html"]
+   character(16), parameter :: result_files(11) = [character(16) :: "series.csv", "series.npy", &
+      "series.f64", "allan.csv", "coefficients.csv", "ar_spectrum.csv", "correlation.csv", &
+      "spectrum.csv", "report.txt", "results.json", "report.html"]
 
    !> Stands in every JSON document of gyroakf
    character(*), parameter, public :: document_mark = new_line("a")//'  "program": "gyroakf"'
 
-   !> What stands in the result files; of those without a mark, in results.json, which has the command line
-   character(23), parameter :: result_marks(11) = [character(23) :: "drift_akf", "--series-format", "--series-format", &
-      "channel,series,kind,tau", "channel,series,term", "channel,frequency", "channel,lag", "channel,frequency", &
-      document_mark, document_mark, 'content="gyroakf ']
+   !> What stands in the result files; of those without a mark, in results.json, which has the
+   !> command line
+   character(23), parameter :: result_marks(11) = [character(23) :: "drift_akf", &
+      "--series-format", "--series-format", "channel,series,kind,tau", "channel,series,term", &
+      "channel,frequency", "channel,lag", "channel,frequency", document_mark, document_mark, &
+      'content="gyroakf ']
    character(10), parameter :: unmarked(3) = ["series.npy", "series.f64", "report.txt"]
 
    interface
@@ -48,7 +53,8 @@ module gyroakf_report_files
 
 contains
 
-   !> The first result file or figure in a directory that is not recognized as written by gyroakf, "" where there is none.
+   !> The first result file or figure in a directory that is not recognized as written by gyroakf,
+   !> "" where there is none.
    function foreign_result(directory) result(path)
       !> May be missing
       character(*), intent(in) :: directory
@@ -72,7 +78,8 @@ contains
       marks(:size(result_marks)) = result_marks
    end subroutine list_results
 
-   !> The first file of a set in a directory that is not recognized as written by gyroakf, "" where there is none.
+   !> The first file of a set in a directory that is not recognized as written by gyroakf, "" where
+   !> there is none.
    function foreign_file(directory, names, marks) result(path)
       !> May be missing
       character(*), intent(in) :: directory
@@ -99,7 +106,8 @@ contains
       integer :: unit, failed
 
       is_marked = .false.
-      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", action="read", iostat=failed)
+      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", &
+            action="read", iostat=failed)
       if (failed /= 0) return
       inquire (unit=unit, size=length)
       allocate (character(min(length, 262144_int64)) :: head)
@@ -108,7 +116,8 @@ contains
       close (unit)
    end function is_marked
 
-   !> Removes the results of an earlier run that a new one does not replace, so that no old numbers stand beside new ones.
+   !> Removes the results of an earlier run that a new one does not replace, so that no old numbers
+   !> stand beside new ones.
    subroutine remove_others(directory, written)
       !> Of the results
       character(*), intent(in) :: directory
@@ -120,15 +129,17 @@ contains
       call list_results(directory, names, marks)
       do i = 1, size(names)
          if (any(written == names(i))) cycle
-         if (foreign_file(directory, names(i:i), marks(i:i)) == "") call remove_file(directory//"/"//trim(names(i)))
+         if (foreign_file(directory, names(i:i), marks(i:i)) /= "") cycle
+         call remove_file(directory//"/"//trim(names(i)))
       end do
    end subroutine remove_others
 
-   !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are curves),
-   !> ar_spectrum.csv (where there are AR models), correlation.csv and spectrum.csv
-   !> (where there are tests), report.txt, results.json, report.html and the figures; all appear when the last one is complete.
-   !> Those that an earlier run left and this one does not write are removed.
-   subroutine write_results(directory, command, record, options, result, error, output, progress, command_line, chart)
+   !> Writes the series (where they were kept), allan.csv and coefficients.csv (where there are
+   !> curves), ar_spectrum.csv (where there are AR models), correlation.csv and spectrum.csv (where
+   !> there are tests), report.txt, results.json, report.html and the figures; all appear when the
+   !> last one is complete. Those that an earlier run left and this one does not write are removed.
+   subroutine write_results(directory, command, record, options, result, error, output, progress, &
+                            command_line, chart)
       !> Made where it does not exist
       character(*), intent(in) :: directory
       !> Which report: run, allan, tests, ar, filter
@@ -139,7 +150,8 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
-      !> io: a file cannot be written; no file of an earlier run is touched then, unless a rename failed; no_memory, cancelled
+      !> io: a file cannot be written; no file of an earlier run is touched then, unless a rename
+      !> failed; no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Form of the series; series.csv if absent
       type(series_output_type), intent(in), optional :: output
@@ -159,12 +171,14 @@ contains
       if (present(output)) series = output
       call build_figures(record, result, figures)
       call make_directory(directory, error)
-      if (.not. allocated(error) .and. size(figures) > 0) call make_directory(directory//"/"//figure_folder, error)
+      if (allocated(error)) return
+      if (size(figures) > 0) call make_directory(directory//"/"//figure_folder, error)
       if (allocated(error)) return
       wanted(:3) = options%keep_series .and. [character(3) :: "csv", "npy", "f64"] == series%form
       wanted(4:) = [options%do_allan, options%do_allan, options%do_ar, &
                     any(result%channel%available%correlation), &
-                    options%do_tests .and. any(result%channel%available%spectrum), .true., .true., .true.]
+                    options%do_tests .and. any(result%channel%available%spectrum), &
+                    .true., .true., .true.]
       n = count(wanted)
       allocate (names(n + size(figures)), writer(n + size(figures)))
       names(:n) = pack(result_files, wanted)
@@ -204,7 +218,8 @@ contains
       is_same_file = .false.
       if (a == "" .or. b == "") return
       is_same_file = a(after_dots(a):) == b(after_dots(b):)
-      if (.not. is_same_file .and. b /= "-") is_same_file = same_file(a//c_null_char, b//c_null_char) /= 0
+      if (is_same_file .or. b == "-") return
+      is_same_file = same_file(a//c_null_char, b//c_null_char) /= 0
    end function is_same_file
 
    !> Where a path begins behind "./" in front.

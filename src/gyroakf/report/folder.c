@@ -13,10 +13,13 @@
 #define LOCAL
 #endif
 
-LOCAL size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names, size_t capacity);
+LOCAL size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names,
+                                     size_t capacity);
 
-/* Writes the names that have the ending, each with a slash behind it, as far as the buffer holds them; returns the length of all. */
-size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names, size_t capacity) {
+/* Writes the names that have the ending, each with a slash behind it, as far as the buffer holds
+   them; returns the length of all. */
+size_t gyroakf_host_list_files(const char *folder, const char *ending, char *names,
+                               size_t capacity) {
   const size_t last = strlen(ending);
   const struct dirent *entry;
   size_t used = 0, length;

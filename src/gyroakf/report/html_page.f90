@@ -27,6 +27,13 @@ module gyroakf_report_html_page
    private
    public :: write_page
 
+   !> The first lines, and those between the style and the title
+   character(*), parameter :: page_head(*) = [character(72) :: "<!DOCTYPE html>", &
+      "<html lang=""en"">", "<head>", "<meta charset=""utf-8"">", &
+      "<meta name=""viewport"" content=""width=device-width, initial-scale=1"">"]
+   character(*), parameter :: page_top(*) = [character(56) :: "</style>", "</head>", "<body>", &
+      "<a class=""skip"" href=""#content"">Skip to the results</a>", "<header>"]
+
 contains
 
    !> The page of one recording.
@@ -88,22 +95,13 @@ contains
          name = name//", "//day(:4)//"-"//day(5:6)//"-"//day(7:)
          writer%markup%on = .true.
          writer%unicode = .true.
-         call put_line(writer, "<!DOCTYPE html>")
-         call put_line(writer, "<html lang=""en"">")
-         call put_line(writer, "<head>")
-         call put_line(writer, "<meta charset=""utf-8"">")
-         call put_line(writer, "<meta name=""viewport"" content=""width=device-width, "// &
-                       "initial-scale=1"">")
+         call put_lines(writer, page_head)
          call put_line(writer, "<meta name=""generator"" content=""gyroakf "//release_string//""">")
          call put_element(writer, "title", name//": "//report_subject(command)//" (gyroakf)")
          call put_line(writer, "<style>")
          call put_lines(writer, page_style)
          call put_lines(writer, svg_style)
-         call put_line(writer, "</style>")
-         call put_line(writer, "</head>")
-         call put_line(writer, "<body>")
-         call put_line(writer, "<a class=""skip"" href=""#content"">Skip to the results</a>")
-         call put_line(writer, "<header>")
+         call put_lines(writer, page_top)
          call put_element(writer, "h1", name)
          call put_element(writer, "p", "gyroakf "//release_string//": "//report_subject(command)// &
                           "; "//path)
@@ -121,7 +119,7 @@ contains
             if (any([(result%channel(c)%allan(stage%input)%fitted, c=1, &
                       size(result%channel))])) then
                call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "// &
-                                  minimum_note(), 2)
+                                  minimum_note())
             end if
          else if (command /= "ar" .or. size(result%channel) > 1) then
             call put_overview(writer, command, record, result)
@@ -142,11 +140,8 @@ contains
             call put_figures("series")
             folded = command == "run" .or. command == "allan"
             call close_list(writer)
-            if (folded) then
-               call put(writer, "<details><summary>")
-               call put_escaped(writer, "Details of "//channel%name)
-               call put_line(writer, "</summary>")
-            end if
+            if (folded) call put(writer, "<details>")
+            if (folded) call put_element(writer, "summary", "Details of "//channel%name)
             call put_figures("filters")
             call put_sections(writer, command, view, channel)
             if (command == "run" .and. channel%allan(stage%input)%available) then
@@ -196,13 +191,9 @@ contains
                           compiler_version())
          call put_element(writer, "dt", "Numbers")
          call put_element(writer, "dd", "to their last digit in results.json, beside this page")
-         call put_line(writer, "</dl>")
-         call put_line(writer, "</footer>")
-         call put_line(writer, "<script>")
+         call put_lines(writer, [character(9) :: "</dl>", "</footer>", "<script>"])
          call put_lines(writer, page_script)
-         call put_line(writer, "</script>")
-         call put_line(writer, "</body>")
-         call put_line(writer, "</html>")
+         call put_lines(writer, [character(9) :: "</script>", "</body>", "</html>"])
       end subroutine end_page
 
    end subroutine write_page

@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> Kalibr's imu.yaml: white noise and random walk of the gyroscope and of the accelerometer, in SI and continuous time.
+!> Kalibr's imu.yaml: white noise and random walk of the gyroscope and of the accelerometer, in SI
+!> and continuous time.
 !>
-!> Kalibr's noise density is N of \( \sigma^2 = N^2/\tau \), the root of the two-sided density; its random walk is K of
-!> \( \sigma^2 = K^2 \tau/3 \). It wants one number for a sensor: the largest of the axes, each axis with its value, or with
-!> its 95 % limit where the value is not detectable; never 0. The axes stand in comments.
+!> Kalibr's noise density is N of \( \sigma^2 = N^2/\tau \), the root of the two-sided density; its
+!> random walk is K of \( \sigma^2 = K^2 \tau/3 \). It wants one number for a sensor: the largest of
+!> the axes, each axis with its value, or with its 95 % limit where the value is not detectable;
+!> never 0. The axes stand in comments.
 !> Source: the wiki of ethz-asl/kalibr, "IMU Noise Model" and "Yaml formats".
 module gyroakf_report_kalibr
    use gyroakf_kinds, only : dp, int64
@@ -12,7 +14,8 @@ module gyroakf_report_kalibr
    use gyroakf_release, only : release_string
    use gyroakf_units, only : quantity, term_names
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, not_described, stage
+   use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, &
+      not_described, stage
    use gyroakf_report_text_layout, only : scientific, number, count_text, if_known
    implicit none (type, external)
    private
@@ -31,20 +34,23 @@ contains
    subroutine check_kalibr(record, error)
       !> As read
       type(record_type), intent(in) :: record
-      !> `invalid_argument`: the rate or every unit is missing; the message says which option gives it
+      !> `invalid_argument`: the rate or every unit is missing; the message says which option gives
+      !> it
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. record%rate_known) then
-         call fatal_error(error, status%invalid_argument, "Kalibr's file needs the rate, and "//record%path// &
-                          " does not tell it: give --rate HZ or --dt S")
+         call fatal_error(error, status%invalid_argument, "Kalibr's file needs the rate, and "// &
+            record%path//" does not tell it: give --rate HZ or --dt S")
       else if (.not. any(quantities(record) == quantity%angular_rate .or. &
                          quantities(record) == quantity%acceleration)) then
-         call fatal_error(error, status%invalid_argument, "Kalibr's file needs the unit, and "//record%path// &
-                          " does not tell it: give --unit rad/s (or deg/s, m/s^2, g, ...), or a list with one for each channel")
+         call fatal_error(error, status%invalid_argument, "Kalibr's file needs the unit, and "// &
+            record%path//" does not tell it: give --unit rad/s (or deg/s, m/s^2, g, ...), or a "// &
+            "list with one for each channel")
       end if
    end subroutine check_kalibr
 
-   !> Writes the file. A sensor that the record does not hold is a comment that asks for its numbers.
+   !> Writes the file. A sensor that the record does not hold is a comment that asks for its
+   !> numbers.
    subroutine write_kalibr(writer, record, result, error)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -61,14 +67,19 @@ contains
       measured = quantities(record)
       if (.not. allocated(error)) call check_coefficients()
       if (allocated(error)) return
-      call put_line(writer, "# Noise of an inertial sensor for Kalibr (imu.yaml), by gyroakf "//release_string)
-      call put_line(writer, "# from "//plain(record%path)//": "//count_text(sample_count(record))//" samples, "// &
-                    number(result%duration, 6)//" s")
+      call put_line(writer, "# Noise of an inertial sensor for Kalibr (imu.yaml), by gyroakf "// &
+         release_string)
+      call put_line(writer, "# from "//plain(record%path)//": "// &
+         count_text(sample_count(record))//" samples, "//number(result%duration, 6)//" s")
       call put_line(writer, "#")
-      call put_line(writer, "# SI units, continuous time. noise_density is N of the Allan variance N^2/tau, the root of the")
-      call put_line(writer, "# two-sided density (not sqrt(2) N); random_walk is K of K^2 tau/3. One number for a sensor: the")
-      call put_line(writer, "# largest of its axes, taken at the 95 % upper limit where an axis shows no value.")
-      call put_line(writer, "# They are those of the sensor as it was recorded, at rest; Kalibr's documentation advises larger")
+      call put_line(writer, "# SI units, continuous time. noise_density is N of the Allan "// &
+         "variance N^2/tau, the root of the")
+      call put_line(writer, "# two-sided density (not sqrt(2) N); random_walk is K of K^2 "// &
+         "tau/3. One number for a sensor: the")
+      call put_line(writer, "# largest of its axes, taken at the 95 % upper limit where an "// &
+         "axis shows no value.")
+      call put_line(writer, "# They are those of the sensor as it was recorded, at rest; "// &
+         "Kalibr's documentation advises larger")
       call put_line(writer, "# ones for a low-cost sensor in motion.")
       call put_line(writer, "")
       call put_line(writer, kalibr_mark)
@@ -150,7 +161,8 @@ contains
          end do
       end subroutine put_number
 
-      !> Channels whose unit is not known, and those whose Allan deviation the terms do not describe.
+      !> Channels whose unit is not known, and those whose Allan deviation the terms do not
+      !> describe.
       subroutine put_remarks()
          character(:), allocatable :: name
          integer :: c
@@ -170,7 +182,8 @@ contains
 
    end subroutine write_kalibr
 
-   !> What stands for an axis: its value, or its limit where it has none; 0 where the term was not fitted.
+   !> What stands for an axis: its value, or its limit where it has none; 0 where the term was not
+   !> fitted.
    elemental real(dp) function strength(stated)
       type(stated_coefficient_type), intent(in) :: stated
 

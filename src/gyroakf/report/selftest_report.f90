@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> The self-test as a table.
 module gyroakf_report_selftest_report
+   use gyroakf_kinds, only : int64
    use gyroakf_io_writer, only : put_line, writer_type
    use gyroakf_release, only : release_string
-   use gyroakf_report_text_layout, only : pad_left, pad_right, scientific
+   use gyroakf_report_text_layout, only : count_text, pad_left, pad_right, scientific
    use gyroakf_selftest, only : selftest_type
    implicit none (type, external)
    private
@@ -25,8 +26,9 @@ contains
       do i = 1, size(result%check)
          associate (check => result%check(i))
             call put_line(writer, "  "//pad_right(trim(check%group)//", "//trim(check%name), 43)// &
-                          pad_left(scientific(check%expected, 7), 13)//pad_left(scientific(check%got, 7), 13)// &
-                          "  "//trim(merge("ok    ", "FAILED", check%passed)))
+               pad_left(scientific(check%expected, 7), 13)// &
+               pad_left(scientific(check%got, 7), 13)//"  "// &
+               trim(merge("ok    ", "FAILED", check%passed)))
             if (check%problem /= "") call put_line(writer, "    "//trim(check%problem))
          end associate
       end do
@@ -39,11 +41,10 @@ contains
       !> Of [[run_selftest]]
       type(selftest_type), intent(in) :: result
       character(:), allocatable :: text
-      character(48) :: line
 
-      write (line, '(i0, " checks, all agree")') size(result%check)
-      if (result%failed > 0) write (line, '(i0, " checks, ", i0, " FAILED")') size(result%check), result%failed
-      text = trim(line)
+      text = count_text(size(result%check, kind=int64))//" checks, "
+      if (result%failed == 0) text = text//"all agree"
+      if (result%failed > 0) text = text//count_text(int(result%failed, int64))//" FAILED"
    end function selftest_sum
 
 end module gyroakf_report_selftest_report

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Signs of a report: its texts are written in ASCII, and shown with the signs of UTF-8.
 !>
-!> "0.41 +/- 0.01 deg/sqrt(h)", "sigma^2", "tau <= 3", "|rho|" become "0.41 ± 0.01 deg/√h", "σ²", "τ ≤ 3", "|ρ|". A word counts
-!> where it stands alone: the name of an option or a file keeps its letters.
+!> "0.41 +/- 0.01 deg/sqrt(h)", "sigma^2", "tau <= 3", "|rho|" become "0.41 ± 0.01 deg/√h", "σ²",
+!> "τ ≤ 3", "|ρ|". A word counts where it stands alone: the name of an option or a file keeps its
+!> letters.
 module gyroakf_report_sign
    implicit none (type, external)
    private
@@ -59,7 +60,8 @@ contains
       padded = " "//text
       stands_alone = scan(padded(first:first), letters//digits//"_-.") == 0 .and. &
          scan(padded(last + 2:last + 2), letters//digits//"_-") == 0 .and. &
-         .not. (padded(last + 2:last + 2) == "." .and. scan(padded(last + 3:last + 3), letters//digits) > 0)
+         .not. (padded(last + 2:last + 2) == "." .and. &
+                scan(padded(last + 3:last + 3), letters//digits) > 0)
    end function stands_alone
 
    !> Letters and digits inside the "sqrt(...)" that begins at a byte, 0 where none does.

@@ -108,7 +108,7 @@ contains
       text = plural(size(rows, kind=int64), "file")
       if (any(rows%code /= 0)) text = text//", "//plural(count(rows%code /= 0, kind=int64), &
                                                          "failure")
-      call put_paragraph(writer, text, 2)
+      call put_paragraph(writer, text)
    end subroutine write_summary_table
 
    !> The blank before a number's unit, 0 where it has none.

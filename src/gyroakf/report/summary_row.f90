@@ -5,8 +5,8 @@ module gyroakf_report_summary_row
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : record_type, sample_count, text_type, view_channel
    use gyroakf_units, only : term_names
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, stage_names, &
-      stated_coefficient_type
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, &
+      stage_names, stated_coefficient_type
    use gyroakf_report_csv, only : csv_row_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document, only : gather_warnings
@@ -73,7 +73,8 @@ contains
       if (present(message)) row%message = message
       row%csv = ""
       call gather_warnings(record, warnings, result)
-      call json%open("")                                   ! as deep as it stands in the whole document
+      ! as deep as it stands in the whole document
+      call json%open("")
       call json%open("files", list=.true.)
       call json%open("")
       call json%put("path", path)
@@ -94,7 +95,9 @@ contains
       call json%close()
       text = json_text(json)
       row%json = ""
-      if (.not. json%failed) row%json = text(index(text, "[") + index(text(index(text, "["):), "{") - 1:)
+      if (json%failed) return
+      text = text(index(text, "["):)
+      row%json = text(index(text, "{"):)
 
    contains
 
@@ -168,8 +171,7 @@ contains
             call out%put("std_error", stated%std_error, known, title=key//"_std_error")
             call out%put("upper_limit", stated%upper_limit, known, title=key//"_upper_limit_95")
             call out%put("detected", stated%detected, known, title=key//"_detected")
-            if (allocated(stated%unit)) call out%put("unit", stated%unit, known, title=key//"_unit")
-            if (.not. allocated(stated%unit)) call out%put("unit", "", known, title=key//"_unit")
+            call out%put("unit", stated%unit, known, title=key//"_unit")
             call out%close()
          end associate
       end do
@@ -203,8 +205,9 @@ contains
       integer, intent(in) :: warnings
       logical, intent(in) :: failed
       type(record_type) :: view
-      type(text_type) :: head(4), cell(4)
+      type(text_type) :: cell(4)
       character(:), allocatable :: name
+      character(11) :: head(4)
       integer :: i
 
       name = ""
@@ -215,70 +218,62 @@ contains
       associate (is => channel%available, term => channel%allan(stage%input)%stated%term)
          select case (command)
          case ("inspect")
-            call set(1, "rate Hz", record%rate_known, value=1.0_dp/record%sample_interval)
-            call set(2, "unit", .true., if_known(has_unit(view), unit_name(view)))
-            call set(3, "missing", .true., count_text(record%audit%missing))
-            call set(4, "gaps", .true., count_text(record%audit%gaps))
+            head = [character(11) :: "rate Hz", "unit", "missing", "gaps"]
+            cell(1)%text = known(record%rate_known, 1.0_dp/record%sample_interval)
+            cell(2)%text = if_known(has_unit(view), unit_name(view))
+            cell(3)%text = count_text(record%audit%missing)
+            cell(4)%text = count_text(record%audit%gaps)
          case ("tests")
-            call set(1, "ADF p", is%adf, value=channel%adf%p_value)
-            call set(2, "Jarque-Bera", is%jarque_bera, value=channel%jarque_bera%p_value)
-            call set(3, "Ljung-Box", is%ljung_box, value=channel%ljung_box%p_value)
+            head = [character(11) :: "ADF p", "Jarque-Bera", "Ljung-Box", ""]
+            cell(1)%text = known(is%adf, channel%adf%p_value)
+            cell(2)%text = known(is%jarque_bera, channel%jarque_bera%p_value)
+            cell(3)%text = known(is%ljung_box, channel%ljung_box%p_value)
          case ("ar")
-            call set(1, "order", is%ar, value=real(channel%ar%order, dp))
-            call set(2, "noise var.", is%ar, value=channel%ar%noise_variance)
-            call set(3, "phi 1", .false.)
-            if (channel%ar%order > 0) call set(3, "phi 1", is%ar, value=channel%ar%coefficient(1))
+            head = [character(11) :: "order", "noise var.", "phi 1", ""]
+            cell(1)%text = known(is%ar, real(channel%ar%order, dp))
+            cell(2)%text = known(is%ar, channel%ar%noise_variance)
+            cell(3)%text = "-"
+            if (is%ar .and. channel%ar%order > 0) cell(3)%text = known(.true., &
+                                                                       channel%ar%coefficient(1))
          case ("filter")
-            call set(1, "variance", .true., value=channel%cleaned%variance)
-            call set(2, "KF", is%kf, value=channel%kf%variance)
-            call set(3, "AKF", is%akf, value=channel%akf%variance)
-            call set(4, "AKF passes", is%akf, value=channel%akf%dc_gain)
+            head = [character(11) :: "variance", "KF", "AKF", "AKF passes"]
+            cell(1)%text = known(.true., channel%cleaned%variance)
+            cell(2)%text = known(is%kf, channel%kf%variance)
+            cell(3)%text = known(is%akf, channel%akf%variance)
+            cell(4)%text = known(is%akf, channel%akf%dc_gain)
          case default
+            head = [character(11) :: term_names(2), term_names(3), term_names(4), "noise"]
             do i = 1, 3
-               call set(i, term_names(i + 1), .true., coefficient_text(term(i + 1)))
+               cell(i)%text = coefficient_text(term(i + 1))
             end do
-            call set(4, "noise", channel%verdict%known, trim(verdict_text(channel)))
+            cell(4)%text = if_known(channel%verdict%known, trim(verdict_text(channel)), "-")
          end select
       end associate
       if (.not. allocated(table%cell)) then
-         call new_table(table, 4 + count([(allocated(head(i)%text), i=1, 4)]), left=2)
+         call new_table(table, 4 + count(head /= ""), left=2)
          call add_row(table, "file", "channel", "samples")
-         call add_cells(head, "warnings")
-      end if
-      call add_row(table, path, "failed")
-      if (failed) return
-      table%cell(size(table%cell, 1), 2)%text = name
-      call add_cell(table, count_text(sample_count(record)))
-      call add_cells(cell, count_text(int(warnings, int64)))
-
-   contains
-
-      !> One column; "-" where its text or value is not known.
-      subroutine set(i, title, known, text, value)
-         integer, intent(in) :: i
-         character(*), intent(in) :: title
-         logical, intent(in) :: known
-         character(*), intent(in), optional :: text
-         real(dp), intent(in), optional :: value
-
-         head(i)%text = title
-         cell(i)%text = "-"
-         if (known .and. present(text)) cell(i)%text = text
-         if (known .and. present(value)) cell(i)%text = number(value, table_digits)
-      end subroutine set
-
-      subroutine add_cells(texts, last)
-         type(text_type), intent(in) :: texts(:)
-         character(*), intent(in) :: last
-         integer :: i
-
-         do i = 1, size(texts)
-            if (allocated(texts(i)%text)) call add_cell(table, texts(i)%text)
+         do i = 1, count(head /= "")
+            call add_cell(table, trim(head(i)))
          end do
-         call add_cell(table, last)
-      end subroutine add_cells
-
+         call add_cell(table, "warnings")
+      end if
+      call add_row(table, path, if_known(failed, "failed", name))
+      if (failed) return
+      call add_cell(table, count_text(sample_count(record)))
+      do i = 1, count(head /= "")
+         call add_cell(table, cell(i)%text)
+      end do
+      call add_cell(table, count_text(int(warnings, int64)))
    end subroutine add_channel_row
+
+   !> A number of the table, "-" where it is not known.
+   pure function known(is_known, value) result(text)
+      logical, intent(in) :: is_known
+      real(dp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = if_known(is_known, number(value, table_digits), "-")
+   end function known
 
    !> "0.3005 deg/sqrt(h)", "< 8.6 deg/h^1.5", "-".
    pure function coefficient_text(stated) result(text)

@@ -41,29 +41,38 @@ module gyroakf_report_svg
    real(dp), parameter :: x_spacing = 78.0_dp, y_spacing = 34.0_dp
 
    !> Colors of a document of its own; a page has the same variables
-   character(*), parameter :: own_style(*) = [character(128) :: &
-      "svg { --text: #1b1d20; --soft: #565c64; --card: #fff; --line: #cfd3d8; background: var(--card) }", &
-      "@media screen and (prefers-color-scheme: dark) { svg { --text: #e6e7e9; --soft: #a9b0b9; --card: #16181b;", &
-      "  --line: #3d434b } }"]
+   character(*), parameter :: own_style(*) = [character(96) :: &
+      "svg { --text: #1b1d20; --soft: #565c64; --card: #fff; --line: #cfd3d8;", &
+      "  background: var(--card) }", &
+      "@media screen and (prefers-color-scheme: dark) { svg { --text: #e6e7e9; --soft: #a9b0b9;", &
+      "  --card: #16181b; --line: #3d434b } }"]
    !> The rules that a page needs for its figures; they take the variables --text, --soft, --card
    !> and --line of the page. Colors of the series are those of Okabe and Ito, distinguishable by
    !> the color-blind
-   character(*), parameter, public :: svg_style(*) = [character(128) :: &
-      ".fig { color: var(--text) } .fig .soft { color: var(--soft) } .fig text { fill: var(--text);", &
-      "  stroke: none; font: 13px system-ui, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif }", &
+   character(*), parameter, public :: svg_style(*) = [character(96) :: &
+      ".fig { color: var(--text) } .fig .soft { color: var(--soft) }", &
+      "  .fig text { fill: var(--text); stroke: none; font: 13px system-ui, 'Segoe UI', Roboto,", &
+      "  'Noto Sans', 'DejaVu Sans', sans-serif }", &
       ".fig .title { font-weight: 600 }", &
       ".fig .middle { text-anchor: middle } .fig .end { text-anchor: end }", &
-      ".fig .c1 { color: #0072b2 } .fig .c2 { color: #d55e00 } .fig .c3 { color: #008a63 } .fig .c4 { color: #b0558a }", &
+      ".fig .c1 { color: #0072b2 } .fig .c2 { color: #d55e00 } .fig .c3 { color: #008a63 }", &
+      "  .fig .c4 { color: #b0558a }", &
       ".fig .c5 { color: #b07d00 } .fig .c6 { color: #3c93c9 }", &
-      "@media screen and (prefers-color-scheme: dark) { .fig .c1 { color: #58b1ec } .fig .c2 { color: #ff8a3d }", &
-      "  .fig .c3 { color: #33c79a } .fig .c4 { color: #e59ac7 } .fig .c5 { color: #f0c24f } .fig .c6 { color: #a5d8f8 } }", &
-      ".fig path { fill: none; stroke: currentColor; stroke-width: 1.6; stroke-linejoin: round }", &
-      ".fig .grid { stroke: var(--line); stroke-width: 1 } .fig .minor { opacity: 0.45 } .fig .frame { stroke: var(--soft) }", &
-      ".fig .soft path { stroke-width: 1; opacity: 0.75 } .fig .guide path { stroke-dasharray: 7 4 }", &
+      "@media screen and (prefers-color-scheme: dark) { .fig .c1 { color: #58b1ec }", &
+      "  .fig .c2 { color: #ff8a3d } .fig .c3 { color: #33c79a } .fig .c4 { color: #e59ac7 }", &
+      "  .fig .c5 { color: #f0c24f } .fig .c6 { color: #a5d8f8 } }", &
+      ".fig path { fill: none; stroke: currentColor; stroke-width: 1.6;", &
+      "  stroke-linejoin: round }", &
+      ".fig .grid { stroke: var(--line); stroke-width: 1 } .fig .minor { opacity: 0.45 }", &
+      "  .fig .frame { stroke: var(--soft) }", &
+      ".fig .soft path { stroke-width: 1; opacity: 0.75 }", &
+      "  .fig .guide path { stroke-dasharray: 7 4 }", &
       ".fig .mark path { stroke-width: 2.4 }", &
-      ".fig .both path, .fig .points path { stroke-width: 1.3 } .fig .dot { fill: currentColor }", &
+      ".fig .both path, .fig .points path { stroke-width: 1.3 }", &
+      "  .fig .dot { fill: currentColor }", &
       ".fig .hollow { fill: var(--card) }", &
-      ".plot .key { cursor: pointer } .fig .off { opacity: 0.4 } .fig .series.off { display: none }", &
+      ".plot .key { cursor: pointer } .fig .off { opacity: 0.4 }", &
+      "  .fig .series.off { display: none }", &
       "@media (max-width: 40rem) { .fig text { font-size: 20px } }", &
       "@media print { .fig text { font-size: 13px } }"]
 
@@ -89,7 +98,8 @@ contains
       call set_range(x, low(1), high(1), merge(0.03_dp, 0.0_dp, figure%logarithmic))
       call set_range(y, low(2), high(2), merge(0.1_dp, 0.04_dp, figure%logarithmic))
       extent = [width, legend_bottom(figure%series, legend_top)]
-      if (alone) call put_line(writer, "<?xml version=""1.0"" encoding=""UTF-8""?>"//new_line("a")//svg_mark)
+      if (alone) call put_line(writer, "<?xml version=""1.0"" encoding=""UTF-8""?>"// &
+         new_line("a")//svg_mark)
       call put(writer, "<svg class=""fig"" role=""img""")
       if (alone) call put(writer, " xmlns=""http://www.w3.org/2000/svg""")
       call put_attribute(writer, "aria-label", figure%title//". "//figure%caption)

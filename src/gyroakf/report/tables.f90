@@ -249,8 +249,8 @@ contains
       case (quantity%acceleration); walks = "N velocity random walk, B bias instability, K"
       case default; walks = "N white noise, B bias instability, K rate"
       end select
-      table%note = "Q quantization, "//walks//" random walk, R ramp. +/-: one standard error; <: "// &
-         "not detected, one-sided 95 % limit."
+      table%note = "Q quantization, "//walks//" random walk, R ramp. +/-: one standard error; "// &
+         "<: not detected, one-sided 95 % limit."
       call add_row(table, "", "Q", "N", "B", "K", "R")
       call add_row(table, "")
       which = findloc(channel%allan%fitted, .true., dim=1)

@@ -46,7 +46,7 @@ contains
                                                      first)
       end do
       if (.not. any(fitted)) return
-      call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld", 2)
+      call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld")
    end subroutine put_answer
 
    !> Unit of N, "" where it is not stated.

@@ -37,29 +37,27 @@ contains
 
       drawn = alike_channels(record, result, 1)
       call choose_letters(result, drawn, letters)
-      allocate (tau(0), deviation(0), lower(0), upper(0), model(0), mark(0))
+      allocate (tau(0), deviation(0), mark(0))
       legend = ""
       do c = 1, size(drawn)
          if (.not. drawn(c)) cycle
          legend = legend//", "//letters(c)//" "//result%channel(c)%name
-         associate (allan => result%channel(c)%allan(stage%input), &
-                    curve => result%channel(c)%allan(stage%input)%curve)
+         associate (curve => result%channel(c)%allan(stage%input)%curve)
             tau = [tau, curve%tau]
             deviation = [deviation, curve%deviation]
             mark = [character(1) :: mark, (letters(c), i=1, size(curve%tau))]
-            if (size(drawn) == 1) then
-               legend = ", o measured, | limits"//if_known(allan%fitted, ", . fitted")
-               lower = curve%lower
-               upper = curve%upper
-               model = 0*curve%tau
-               if (allan%fitted) model = allan%noise%model
-            end if
          end associate
       end do
-      if (size(drawn) > 1) then
-         lower = deviation
-         upper = deviation
-         model = 0*tau
+      lower = deviation
+      upper = deviation
+      model = 0*tau
+      if (size(drawn) == 1 .and. all(drawn)) then
+         associate (allan => result%channel(1)%allan(stage%input))
+            legend = ", o measured, | limits"//if_known(allan%fitted, ", . fitted")
+            lower = allan%curve%lower
+            upper = allan%curve%upper
+            if (allan%fitted) model = allan%noise%model
+         end associate
       end if
       call draw_chart(tau, deviation, lower, upper, writer%unicode, lines, model, chart_rows, mark)
       if (size(lines) == 0) return

@@ -230,7 +230,7 @@ contains
          deallocate (self%heading)
       end if
       if (self%label == "" .and. .not. in_list) then
-         call put_paragraph(self%writer, self%line, 2)
+         call put_paragraph(self%writer, self%line)
       else
          call put_item(self%writer, self%label, self%line)
       end if

@@ -59,8 +59,8 @@ contains
          call add_row(table, "", "outliers", "AR", "KF", "", "AKF", "", "drift KF", "smoother")
          call add_row(table, "", "", "order", "share", "passes", "share", "passes", "share", &
                       "share")
-         table%note = "share: variance of the output over that of the input. passes: share of a "// &
-            "constant rotation"
+         table%note = "share: variance of the output over that of the input. passes: share of "// &
+            "a constant rotation"
          do c = 1, size(result%channel)
             associate (one => result%channel(c), is => result%channel(c)%available)
                call add_row(table, one%name, &
@@ -139,7 +139,7 @@ contains
 
       call put_line(writer, "")
       call put_table(writer, table)
-      if (note /= "") call put_paragraph(writer, note, 2)
+      if (note /= "") call put_paragraph(writer, note)
    end subroutine put_below
 
    !> A single channel.

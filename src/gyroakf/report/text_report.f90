@@ -104,7 +104,7 @@ contains
       ! of a long record they reject a unit root for any sensor
       if (all) out%skip = [character(8) :: "adf", "kpss"]
       call put_paragraph(writer, "Values are in "//unit_name(record)//" and variances in ("// &
-                         unit_name(record)//")^2 where no unit stands beside them.", 2)
+                         unit_name(record)//")^2 where no unit stands beside them.")
       call put_verdict(out, record, channel)
       call put_preprocess(out, channel)
       if (all .or. command == "tests") call put_tests(out, channel)
@@ -115,7 +115,7 @@ contains
          if (all .and. channel%ar%order > 0) call put_paragraph(writer, "The model predicts "// &
             number(channel%predictable_percent, 3)//" % of the variance one sample ahead: the "// &
             "largest reduction such a model can honestly give. A larger one is smoothing, "// &
-            "which acts on a rotation alike.", 2)
+            "which acts on a rotation alike.")
       end if
       if (all .or. command == "filter") then
          call make_filter_table(record, channel, table)

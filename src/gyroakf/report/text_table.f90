@@ -194,7 +194,7 @@ contains
       if (table%number == "") call put_heading(writer, table%caption)
       if (table%number /= "") call put_heading(writer, "Table "//table%number//". "//table%caption)
       call put_table(writer, table)
-      if (len(table%note) > 0) call put_paragraph(writer, table%note, 2)
+      if (len(table%note) > 0) call put_paragraph(writer, table%note)
    end subroutine put_numbered
 
    !> Characters of every column.

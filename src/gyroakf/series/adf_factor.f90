@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Triangular factor of a Dickey-Fuller regression: of its Gram matrix, and of its rows where that has lost its digits.
+!> Factor of a Dickey-Fuller regression: of its Gram matrix, of its rows where that lost digits.
 !>
-!> The columns are scaled to length 1; the last one is the difference y. With R the factor the regression with the first i
-!> columns leaves the sum of squares \(\sum_{j>i} R_{jk}^2\), k the last column, without cancellation.
+!> The columns are scaled to length 1; the last one is the difference y. The regression with the
+!> first i columns leaves \(\sum_{j>i} R_{jk}^2\), k the last column, without cancellation.
 module gyroakf_series_adf_factor
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -13,7 +13,7 @@ module gyroakf_series_adf_factor
    use gyroakf_stats_lagged_rows, only : time_of
    implicit none (type, external)
    private
-   public :: factor_gram, factor_rows
+   public :: factor_regression
 
    !> A diagonal element of the factor of the scaled matrix below this has lost half of its digits
    real(dp), parameter :: smallest_pivot = 1.0e-7_dp
@@ -26,55 +26,83 @@ module gyroakf_series_adf_factor
 
 contains
 
-   !> Cholesky factor of the matrix scaled to a unit diagonal, in place.
-   subroutine factor_gram(matrix, scale, ready)
-      !> Upper triangle; the factor on return. The lower one is not touched
-      real(dp), intent(inout), contiguous :: matrix(:, :)
-      !> Lengths of the columns
-      real(dp), intent(out) :: scale(:)
-      !> .false. where too many digits are lost: [[factor_rows]] has them
-      logical, intent(out) :: ready
-      integer :: i, j, k, info
-
-      k = size(matrix, 1)
-      ready = .true.
-      do j = 1, k
-         scale(j) = sqrt(max(matrix(j, j), 0.0_dp))
-         ready = ready .and. scale(j) > 0.0_dp
-      end do
-      if (.not. ready) return
-      do j = 1, k
-         matrix(:j, j) = matrix(:j, j)/scale(j)/scale(:j)
-      end do
-      call dpotrf("U", k, matrix, k, info)
-      ready = info == 0
-      do i = 1, k
-         if (ready) ready = matrix(i, i) >= smallest_pivot
-      end do
-   end subroutine factor_gram
-
-   !> The factor from the rows, by orthogonal transformations block by block (LAPACK dgeqrf on what came before and the
-   !> next rows): twice the digits, and times the columns the work.
-   subroutine factor_rows(x, trend, gram, order, rounding, r, scale, error, valid, progress)
+   !> The factor of the columns in an order, from the Gram matrix or the rows.
+   subroutine factor_regression(x, trend, gram, order, rounding, r, scale, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
       type(trend_type), intent(in) :: trend
-      !> Terms, lags and lengths of the columns
+      !> Terms, lags and products of the columns
       type(gram_type), intent(in) :: gram
       !> Place in the matrix of each column, the difference last: [columns]
       integer, intent(in) :: order(:)
       !> Rounding of a sample
       real(dp), intent(in) :: rounding
-      !> Upper triangular factor with a positive diagonal: [columns, columns]
-      real(dp), intent(out) :: r(:, :)
+      !> The factor in the upper triangle, with a positive diagonal: [columns, columns]
+      real(dp), allocatable, intent(out) :: r(:, :)
       !> Lengths of the columns
       real(dp), intent(out) :: scale(:)
       !> singular, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback, for every block
+      !> Progress callback, used where the factor comes from the rows
+      class(progress_type), intent(inout), optional :: progress
+      integer :: i, j, k
+      logical :: ready
+
+      k = size(order)
+      allocate (r(k, k), stat=i)
+      if (i /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the factor of the unit-root regression")
+      if (allocated(error)) return
+      r = 0.0_dp
+      do j = 1, k
+         do i = 1, j
+            r(i, j) = gram%matrix(min(order(i), order(j)), max(order(i), order(j)))
+         end do
+      end do
+      call factor_gram(r, scale, ready)
+      if (.not. ready) call factor_rows(x, trend, gram, order, rounding, r, scale, error, valid, &
+         & progress)
+   end subroutine factor_regression
+
+   !> Cholesky factor of the matrix scaled to a unit diagonal, in place.
+   subroutine factor_gram(matrix, scale, ready)
+      real(dp), intent(inout), contiguous :: matrix(:, :)
+      real(dp), intent(out) :: scale(:)
+      !> .false. where too many digits are lost
+      logical, intent(out) :: ready
+      integer :: j, k, info
+
+      k = size(matrix, 1)
+      do j = 1, k
+         scale(j) = sqrt(max(matrix(j, j), 0.0_dp))
+      end do
+      ready = all(scale > 0.0_dp)
+      if (.not. ready) return
+      do j = 1, k
+         matrix(:j, j) = matrix(:j, j)/scale(j)/scale(:j)
+      end do
+      call dpotrf("U", k, matrix, k, info)
+      ready = info == 0
+      do j = 1, k
+         if (ready) ready = matrix(j, j) >= smallest_pivot
+      end do
+   end subroutine factor_gram
+
+   !> The factor from the rows, by orthogonal transformations block by block (LAPACK dgeqrf on what
+   !> came before and the next rows): twice the digits, and times the columns the work.
+   subroutine factor_rows(x, trend, gram, order, rounding, r, scale, error, valid, progress)
+      real(dp), intent(in), contiguous :: x(:)
+      type(trend_type), intent(in) :: trend
+      type(gram_type), intent(in) :: gram
+      integer, intent(in) :: order(:)
+      real(dp), intent(in) :: rounding
+      real(dp), intent(out) :: r(:, :)
+      real(dp), intent(in) :: scale(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: n, first, last
       real(dp) :: mean(size(r, 1)), lost
@@ -83,14 +111,10 @@ contains
       n = size(x, kind=int64)
       k = size(r, 1)
       mean = 0.0_dp
-      do i = 1, k
-         scale(i) = sqrt(max(gram%matrix(order(i), order(i)), 0.0_dp))
-         if (gram%terms > 0 .and. i > gram%terms) mean(i) = gram%matrix(1, order(i))/gram%matrix(1, 1)
-      end do
-      if (.not. all(scale > 0.0_dp) .or. real(n, dp)*real(k, dp)**2 > most_work) then
-         call refuse(error)
-         return
-      end if
+      if (gram%terms > 0) mean(gram%terms + 1:) = gram%matrix(1, order(gram%terms + 1:)) &
+         & /gram%matrix(1, 1)
+      if (.not. all(scale > 0.0_dp) .or. real(n, dp)*real(k, dp)**2 > most_work) call refuse(error)
+      if (allocated(error)) return
       r = 0.0_dp
       do first = gram%lags + 1, n - 1, max(256, 2*k)
          call report_progress("unit-root test", first, n, error, progress)
@@ -99,7 +123,7 @@ contains
          call join_rows(x, trend, gram, order, first, last, scale, mean, r, error, valid)
          if (allocated(error)) return
       end do
-      ! the columns less their means were factored; the constant, the first of them, takes these back
+      ! columns less their means were factored; the constant, the first of them, takes these back
       r(1, 2:) = r(1, 2:) + r(1, 1)*scale(1)*mean(2:)/scale(2:)
       do i = 1, k
          if (r(i, i) < 0.0_dp) r(i, i:) = -r(i, i:)
@@ -111,49 +135,37 @@ contains
       if (r(k, k)*scale(k) <= rounding_factor*lost*sqrt(real(gram%rows, dp))) call refuse(error)
    end subroutine factor_rows
 
-   !> The error for a regression that has no solution.
    subroutine refuse(error)
-      !> singular
       type(error_type), allocatable, intent(out) :: error
 
-      call fatal_error(error, status%singular, &
-         & "the ADF regression is singular: the series is predicted perfectly by its own past or by its trend; try fewer lags")
+      call fatal_error(error, status%singular, "the ADF regression is singular: the series is " &
+         & //"predicted perfectly by its own past or by its trend; try fewer lags")
    end subroutine refuse
 
    !> The factor of some rows below a factor.
    subroutine join_rows(x, trend, gram, order, first, last, scale, mean, r, error, valid)
-      !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from it
       type(trend_type), intent(in) :: trend
-      !> Terms and lags
       type(gram_type), intent(in) :: gram
-      !> Place of each column
       integer, intent(in) :: order(:)
       !> 0-based rows, first > lags
       integer(int64), intent(in) :: first, last
-      !> Lengths of the columns
-      real(dp), intent(in) :: scale(:)
-      !> Taken out of the columns, so that a common part costs no digits
-      real(dp), intent(in) :: mean(:)
-      !> The factor so far, and with the rows
+      !> Lengths of the columns; means, taken out so that a common part costs no digits
+      real(dp), intent(in) :: scale(:), mean(:)
       real(dp), intent(inout) :: r(:, :)
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: a(:, :), y(:), row(:), tau(:), work(:)
-      integer :: t, i, j, k, m, p, run, base, info
+      integer :: t, j, k, m, p, run, base, info
 
       k = size(r, 1)
       p = gram%lags
       base = gram%terms + 1
       allocate (y(-p - 1:int(last - first)), row(k), tau(k), work(64*k))
       allocate (a(k + int(last - first) + 1, k), stat=info)
-      if (info /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for rows of the unit-root regression")
-         return
-      end if
+      if (info /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for rows of the unit-root regression")
+      if (allocated(error)) return
       y(:) = x(first - p:last + 1)
       call subtract_trend(trend, first - p - 1, y)
       a(:k, :) = r
@@ -169,9 +181,7 @@ contains
          row(base) = y(t - 1)
          row(base + 1:) = [(y(t - j) - y(t - j - 1), j=1, p), y(t) - y(t - 1)]
          m = m + 1
-         do i = 1, k
-            a(m, i) = (row(order(i)) - mean(i))/scale(i)
-         end do
+         a(m, :) = (row(order) - mean)/scale
       end do
       call dgeqrf(m, k, a, size(a, 1), tau, work, size(work), info)
       do j = 1, k

@@ -12,8 +12,9 @@ module gyroakf_series_adf_lags
 
 contains
 
-   !> Most lags that are tried: as many as are asked for, or ceiling(12 (n/100)^(1/4)) (Schwert); at most n/2 - terms - 1, no
-   !> more than leave more complete rows than there are regressors, and with gaps a tenth of the samples in complete rows.
+   !> Most lags that are tried: as many as are asked for, or ceiling(12 (n/100)^(1/4)) (Schwert); at
+   !> most n/2 - terms - 1, no more than leave more complete rows than there are regressors, and
+   !> with gaps a tenth of the samples in complete rows.
    subroutine default_max_lags(n, terms, asked, most, wanted, valid)
       !> Length of the series
       integer(int64), intent(in) :: n
@@ -49,8 +50,7 @@ contains
       end do
    end subroutine default_max_lags
 
-   !> The lag by a criterion, from one factorisation: with l the last column, RSS of the first i
-   !> regressors is the sum of l_j^2, j > i.
+   !> The lag by a criterion: RSS of the first i regressors is the sum of l_j^2, j > i, of column l.
    pure subroutine pick_lag(r, terms, lags, rows, criterion, scale, lag, best)
       !> Factor of powers of the time, level, lags, difference, in its upper triangle
       real(dp), intent(in) :: r(:, :)
@@ -82,7 +82,8 @@ contains
             best = abs(r(base + k, last))/sqrt(rss/(n - real(base + k, dp)))
             if (best >= significant_t) return
          else
-            value = n*(log(2.0_dp*pi) + log(rss/n) + 2.0_dp*log(scale) + 1.0_dp) + penalty*real(base + k, dp)
+            value = n*(log(2.0_dp*pi) + log(rss/n) + 2.0_dp*log(scale) + 1.0_dp) &
+               & + penalty*real(base + k, dp)
             if (value <= best) then
                best = value
                lag = k

@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> Coefficients of a Dickey-Fuller regression with their standard errors, in the samples as they are.
+!> Coefficients of a Dickey-Fuller regression of the samples, with their standard errors.
 !>
-!> The regression is made on the series less its trend T and on powers of a scaled time. In the user's terms it is
-!> $$\Delta x_t = \alpha_0 + \alpha_1 s + \alpha_2 s^2 + \rho x_{t-1} + \sum_j b_j \Delta x_{t-j} + e_t$$
-!> with the time s = 1, 2, ... counted in samples from the first row that a record without gaps has (s = t - lags, t the
-!> 0-based index of the sample). rho and b_j are the same in both; the alpha are linear functions of all coefficients and T.
+!> The regression is made on the series less its trend T and on powers of a scaled time. In the
+!> user's terms it is $$\Delta x_t = \alpha_0 + \alpha_1 s + \alpha_2 s^2 + \rho x_{t-1} + \sum_j
+!> b_j \Delta x_{t-j} + e_t$$ with the time s = 1, 2, ... counted in samples from the first row that
+!> a record without gaps has (s = t - lags, t the 0-based index of the sample). rho and b_j are the
+!> same in both; the alpha are linear functions of all coefficients and T.
 module gyroakf_series_adf_table
    use gyroakf_kinds, only : dp, int64
    use gyroakf_lapack, only : dtrtrs
@@ -25,11 +26,13 @@ module gyroakf_series_adf_table
       real(dp) :: t = 0.0_dp
    end type adf_coefficient_type
 
+   character(12), parameter :: power_names(3) = [character(12) :: "constant", "time", "time^2"]
+
 contains
 
    !> The table: deterministic terms, level, lags.
    subroutine coefficient_table(r, scale, terms, lags, rows, n, trend, table)
-      !> Factor of the scaled columns: powers of the time, lags, level, difference: [columns, columns]
+      !> Factor of the scaled columns: powers of the time, lags, level, difference
       real(dp), intent(in) :: r(:, :)
       !> Lengths of the columns
       real(dp), intent(in) :: scale(:)
@@ -58,7 +61,9 @@ contains
       end do
       call dtrtrs("U", "T", "N", k, k, r, size(r, 1), form, k, info)
       do i = 1, k
-         table(i)%name = name_of(i, terms)
+         if (i <= terms) table(i)%name = power_names(i)
+         if (i == terms + 1) table(i)%name = "level"
+         if (i > terms + 1) write (table(i)%name, "(a, i0)") "lag ", i - terms - 1
          table(i)%value = dot_product(map(:, i), beta(:, 1))
          if (i <= terms) table(i)%value = table(i)%value + constant(i)
          table(i)%std_error = sigma*norm2(form(:, i))
@@ -66,27 +71,10 @@ contains
       end do
    end subroutine coefficient_table
 
-   !> Name of a row of the table.
-   pure character(12) function name_of(i, terms) result(name)
-      !> Row, deterministic terms
-      integer, intent(in) :: i, terms
-      character(12), parameter :: first(3) = [character(12) :: "constant", "time", "time^2"]
-
-      name = "level"
-      if (i <= terms) then
-         name = first(i)
-      else if (i > terms + 1) then
-         write (name, '("lag ", i0)') i - terms - 1
-      end if
-   end function name_of
-
    !> Each coefficient of the table as a linear function of those of the regression.
    pure subroutine linear_forms(terms, lags, n, trend, map, constant)
-      !> Deterministic terms, lags
       integer, intent(in) :: terms, lags
-      !> Length of the series
       integer(int64), intent(in) :: n
-      !> Subtracted from the series
       type(trend_type), intent(in) :: trend
       !> Factors of powers of the time, lags, level; a column for each row of the table
       real(dp), intent(out) :: map(:, :)
@@ -118,21 +106,18 @@ contains
 
    !> Powers of s in T(s + shift).
    pure function value_of(trend, shift) result(power)
-      !> T
       type(trend_type), intent(in) :: trend
-      !> Any
       integer(int64), intent(in) :: shift
       real(dp) :: power(3), a(0:2), c, d
 
       call scaled(trend, shift, a, c, d)
-      power = [a(0) - 0.5_dp*a(2) + a(1)*d + 1.5_dp*a(2)*d*d + trend%remainder, a(1)*c + 3.0_dp*a(2)*c*d, 1.5_dp*a(2)*c*c]
+      power = [a(0) - 0.5_dp*a(2) + a(1)*d + 1.5_dp*a(2)*d*d + trend%remainder, &
+         & a(1)*c + 3.0_dp*a(2)*c*d, 1.5_dp*a(2)*c*c]
    end function value_of
 
    !> Powers of s in T(s + shift) - T(s + shift - 1).
    pure function difference_of(trend, shift) result(power)
-      !> T
       type(trend_type), intent(in) :: trend
-      !> Any
       integer(int64), intent(in) :: shift
       real(dp) :: power(3), a(0:2), c, d
 
@@ -142,11 +127,8 @@ contains
 
    !> Coefficients of the Legendre polynomials, and c, d of their argument c s + d.
    pure subroutine scaled(trend, shift, a, c, d)
-      !> T
       type(trend_type), intent(in) :: trend
-      !> Any
       integer(int64), intent(in) :: shift
-      !> The coefficients, the slope, the constant
       real(dp), intent(out) :: a(0:2), c, d
       integer :: k
 

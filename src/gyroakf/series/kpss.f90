@@ -4,9 +4,11 @@ module gyroakf_series_kpss
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_stats_autocovariance, only : check_series, series_mean
-   use gyroakf_stats_trend, only : trend_type, fit_trend, set_level
-   use gyroakf_stats_long_run, only : cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
+   use gyroakf_stats_autocovariance, only : check_series, find_level
+   use gyroakf_stats_trend, only : trend_type
+   use gyroakf_stats_trend_fit, only : fit_trend
+   use gyroakf_stats_long_run, only : cumulative_type, sum_residuals, sum_bartlett, &
+      & bartlett_variance, hobijn_lags, schwert_lags
    use gyroakf_stats_bridge, only : bridge_survival
    implicit none (type, external)
    private
@@ -45,8 +47,8 @@ module gyroakf_series_kpss
       logical :: stationary = .false.
       !> Variance of the residuals and their long-run variance, divisor n
       real(dp) :: variance = 0.0_dp, long_run_variance = 0.0_dp
-      !> Size of the effect, which n does not inflate, in the unit of the series: a line (ct: a parabola) of this height from its
-      !> lowest to its highest point gives the same running sums
+      !> Size of the effect, which n does not inflate, in the unit of the series: a line (ct: a
+      !> parabola) of this height from its lowest to its highest point gives the same running sums
       real(dp) :: drift = 0.0_dp
    end type kpss_type
 
@@ -64,16 +66,16 @@ contains
 
    !> KPSS test: null hypothesis stationarity, about a level or a line.
    !>
-   !> $$\eta = \frac{1}{n^2 \hat\sigma^2} \sum_{t=1}^{n} S_t^2, \quad S_t = \sum_{i \le t} e_i, \quad
+   !> $$\eta = \frac{1}{n^2 \hat\sigma^2} \sum_{t=1}^{n} S_t^2, \quad S_t = \sum_{i \le t} e_i,
+   !> \quad
    !>   \hat\sigma^2 = \sum_{|i| \le l} \Big(1 - \frac{|i|}{l+1}\Big) \hat\gamma_i, \quad
    !>   \hat\gamma_i = \frac{1}{n} \sum_t e_t e_{t-i}$$
-   !> with the residuals e of the level or the line. One pass for the fit (two for a line), one for S and the
-   !> products at the first lags, one more where the bandwidth exceeds them; memory O(1). With
-   !> missing samples n is the number of present ones, S grows and counts at present samples only,
-   !> and the products are those of present pairs, divided by n (so that they estimate the variance
-   !> of the sums that S takes, and stay positive definite). Sources: Kwiatkowski et al., J.
-   !> Econometrics 54 (1992) 159-178; for gaps Datta & Du, FRB Int. Finance Disc. Papers 1060
-   !> (2012).
+   !> with the residuals e of the level or the line. One pass for the fit (two for a line), one for
+   !> S and the products at the first lags, one more where the bandwidth exceeds them; memory O(1).
+   !> With missing samples n is the number of present ones, S grows and counts at present samples
+   !> only, and the products are those of present pairs, divided by n (so that they estimate the
+   !> variance of the sums that S takes, and stay positive definite). Sources: Kwiatkowski et al.,
+   !> J. Econometrics 54 (1992) 159-178; for gaps Datta & Du, FRB IFDP 1060 (2012).
    subroutine test_kpss(x, options, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -81,7 +83,8 @@ contains
       type(kpss_options), intent(in) :: options
       !> The test
       type(kpss_type), intent(out) :: result
-      !> invalid_argument, too_few_samples, constant_input (also a perfect line with ct), non_finite, no_memory, cancelled
+      !> invalid_argument, too_few_samples, constant_input (also a perfect line with ct),
+      !> non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -90,23 +93,48 @@ contains
       type(trend_type) :: trend
       type(cumulative_type) :: sums
       real(dp), allocatable :: products(:)
-      real(dp) :: n
+      real(dp) :: n, rounding
       integer :: terms, q
+      character(120) :: text
 
       call check_options(options, size(x, kind=int64), terms, error)
       if (allocated(error)) return
       call report_progress("stationarity test", 0_int64, 0_int64, error, progress)
-      if (.not. allocated(error)) call fit(x, terms, trend, error, valid, progress)
+      if (.not. allocated(error)) call check_series(size(x, kind=int64), 0, error, valid)
+      if (allocated(error)) return
+      if (terms > 1) then
+         call fit_trend(x, terms - 1, trend, error, valid, progress)
+      else
+         call find_level(x, trend, result%observations, error, valid)
+      end if
       if (allocated(error)) return
       q = first_lags(size(x, kind=int64))
       call sum_residuals(trend, x, q, sums, products, error, valid, progress)
       if (allocated(error)) return
-      call check_sums(trend, sums, products(0), terms, error)
-      if (allocated(error)) return
       n = sums%count
       result%observations = nint(n, int64)
+      rounding = epsilon(1.0_dp)*(sum(abs(trend%legendre)) + abs(trend%remainder))
+      if (result%observations < int(terms, int64) + 2) then
+         write (text, "(2(a, i0), a)") "the KPSS test needs at least ", terms + 2, " samples, ", &
+            & result%observations, " are present"
+         call fatal_error(error, status%too_few_samples, trim(text))
+      else if (.not. products(0) > rounding_factor*n*rounding**2) then
+         call fatal_error(error, status%constant_input, "the series is constant, or a line " &
+            & //"with ct, to rounding: there is nothing to test for stationarity")
+      end if
+      if (allocated(error)) return
       result%regression = options%regression
-      call choose_lags(options, products, size(x, kind=int64), result)
+      result%rule = options%rule
+      if (options%lags >= 0) then
+         result%lags = options%lags
+         result%rule = "fixed"
+      else if (options%rule == "legacy") then
+         result%lags = schwert_lags(result%observations)
+      else
+         result%lags = hobijn_lags(products(0:min(first_lags(result%observations), q)), &
+            & result%observations)
+      end if
+      result%lags = min(result%lags, size(x, kind=int64) - 1)
       result%variance = products(0)/n
       if (result%lags <= q) then
          result%long_run_variance = bartlett_variance(products, int(result%lags))/n
@@ -122,25 +150,21 @@ contains
    !> Refuses options that mean nothing.
    subroutine check_options(options, n, terms, error)
       type(kpss_options), intent(in) :: options
-      !> Length of the series
       integer(int64), intent(in) :: n
-      !> Of the fit: 1 or 2
       integer, intent(out) :: terms
-      !> invalid_argument, too_few_samples
       type(error_type), allocatable, intent(out) :: error
       character(120) :: text
 
-      terms = 0
-      if (options%regression == "c") terms = 1
-      if (options%regression == "ct") terms = 2
+      terms = findloc(["c ", "ct"] == options%regression, .true., 1)
       if (terms == 0) then
-         call fatal_error(error, status%invalid_argument, &
-            & "unknown regression '"//trim(options%regression)//"' of the KPSS test; there are c, ct")
+         call fatal_error(error, status%invalid_argument, "unknown regression '" &
+            & //trim(options%regression)//"' of the KPSS test; there are c, ct")
       else if (options%rule /= "auto" .and. options%rule /= "legacy") then
-         call fatal_error(error, status%invalid_argument, &
-            & "unknown rule '"//trim(options%rule)//"' for the lags of the KPSS test; there are auto, legacy")
+         call fatal_error(error, status%invalid_argument, "unknown rule '"//trim(options%rule) &
+            & //"' for the lags of the KPSS test; there are auto, legacy")
       else if (options%lags < -1) then
-         call fatal_error(error, status%invalid_argument, "the lags of the KPSS test must not be negative; -1 chooses them")
+         call fatal_error(error, status%invalid_argument, &
+            & "the lags of the KPSS test must not be negative; -1 chooses them")
       else if (n < int(terms, int64) + 2 .or. options%lags >= n) then
          write (text, '("the KPSS test needs more than ", i0, " samples, there are ", i0)') &
             & max(options%lags, int(terms, int64) + 1), n
@@ -148,53 +172,8 @@ contains
       end if
    end subroutine check_options
 
-   !> The level or the line.
-   subroutine fit(x, terms, trend, error, valid, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      integer, intent(in) :: terms
-      type(trend_type), intent(out) :: trend
-      !> too_few_samples, non_finite, singular, invalid_argument (length of the mask)
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      real(dp) :: shift, rest
-      integer(int64) :: found
-
-      call check_series(size(x, kind=int64), 0, error, valid)
-      if (allocated(error)) return
-      if (terms > 1) then
-         call fit_trend(x, terms - 1, trend, error, valid, progress)
-         return
-      end if
-      call series_mean(x, shift, rest, found, error, valid)
-      call set_level(trend, shift, rest)
-   end subroutine fit
-
-   !> Refuses a series that leaves nothing to test.
-   subroutine check_sums(trend, sums, squares, terms, error)
-      type(trend_type), intent(in) :: trend
-      type(cumulative_type), intent(in) :: sums
-      !> Sum of the squared residuals
-      real(dp), intent(in) :: squares
-      integer, intent(in) :: terms
-      !> too_few_samples, constant_input
-      type(error_type), allocatable, intent(out) :: error
-      real(dp) :: rounding
-      character(120) :: text
-
-      rounding = epsilon(1.0_dp)*(sum(abs(trend%legendre)) + abs(trend%remainder))
-      if (nint(sums%count, int64) < int(terms, int64) + 2) then
-         write (text, '("the KPSS test needs at least ", i0, " samples, ", i0, " are present")') terms + 2, nint(sums%count, int64)
-         call fatal_error(error, status%too_few_samples, trim(text))
-      else if (.not. squares > rounding_factor*sums%count*rounding**2) then
-         call fatal_error(error, status%constant_input, &
-            & "the series is constant, or a line with ct, to rounding: there is nothing to test for stationarity")
-      end if
-   end subroutine check_sums
-
    !> floor(n^(2/9)), exactly: the lags from which the bandwidth is chosen.
    pure integer function first_lags(n) result(q)
-      !> Length of the series
       integer(int64), intent(in) :: n
       !> Squares of larger ones would not fit; there the power is exact enough
       integer(int64), parameter :: largest = 1000000000_int64
@@ -205,43 +184,18 @@ contains
       if (int(q, int64)**9 > n*n) q = q - 1
    end function first_lags
 
-   !> The bandwidth.
-   pure subroutine choose_lags(options, products, length, result)
-      type(kpss_options), intent(in) :: options
-      !> At the first lags: [0:q]
-      real(dp), intent(in) :: products(0:)
-      !> Of the series, missing samples included
-      integer(int64), intent(in) :: length
-      !> `observations` is set; lags and rule are filled
-      type(kpss_type), intent(inout) :: result
-      integer :: q
-
-      result%rule = options%rule
-      if (options%lags >= 0) then
-         result%lags = options%lags
-         result%rule = "fixed"
-      else if (options%rule == "legacy") then
-         result%lags = schwert_lags(result%observations)
-      else
-         q = min(first_lags(result%observations), ubound(products, 1))
-         result%lags = hobijn_lags(products(0:q), result%observations)
-      end if
-      result%lags = min(result%lags, length - 1)
-   end subroutine choose_lags
-
    !> Statistic, p-value, verdict.
    subroutine judge(sum_share, terms, result, error)
       !> Sum of S_t^2 over n^2
       real(dp), intent(in) :: sum_share
       integer, intent(in) :: terms
-      !> `long_run_variance` is set
       type(kpss_type), intent(inout) :: result
-      !> singular
       type(error_type), allocatable, intent(out) :: error
       integer :: i
 
       if (.not. result%long_run_variance > tiny(1.0_dp)*max(1.0_dp, sum_share)) then
-         call fatal_error(error, status%singular, "the long-run variance of the KPSS test is 0 with this bandwidth; try fewer lags")
+         call fatal_error(error, status%singular, &
+            & "the long-run variance of the KPSS test is 0 with this bandwidth; try fewer lags")
          return
       end if
       result%statistic = sum_share/result%long_run_variance
@@ -255,12 +209,9 @@ contains
          result%p_value = table_p(4)
          result%p_bound = -1
       else
-         do i = 1, 3
-            if (result%statistic <= table(i + 1, terms)) exit
-         end do
-         i = min(i, 3)
-         result%p_value = table_p(i) + (table_p(i + 1) - table_p(i))*(result%statistic - table(i, terms)) &
-            & /(table(i + 1, terms) - table(i, terms))
+         i = max(1, count(table(:, terms) < result%statistic))
+         result%p_value = table_p(i) + (table_p(i + 1) - table_p(i)) &
+            & *(result%statistic - table(i, terms))/(table(i + 1, terms) - table(i, terms))
       end if
    end subroutine judge
 

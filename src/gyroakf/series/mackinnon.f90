@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Distribution of the Dickey-Fuller statistic: MacKinnon's response surfaces.
 !>
-!> Sources: critical values J. G. MacKinnon, Critical values for cointegration tests, Queen's Economics
-!> Department working paper 1227 (2010); p-values J. G. MacKinnon, J. Bus. Econ. Stat. 12 (1994) 167-176.
-!> Both for one series.
+!> Sources: critical values J. G. MacKinnon, Queen's Economics Department working paper 1227 (2010);
+!> p-values J. G. MacKinnon, J. Bus. Econ. Stat. 12 (1994) 167-176. Both for one series.
 module gyroakf_series_mackinnon
    use gyroakf_kinds, only : dp, int64
    use gyroakf_special, only : normal_cdf
@@ -48,18 +47,12 @@ contains
    pure integer function regression_number(regression)
       !> n, c, ct or ctt
       character(*), intent(in) :: regression
+      character(3), parameter :: names(4) = [character(3) :: "n", "c", "ct", "ctt"]
 
-      select case (regression)
-      case ("n"); regression_number = 1
-      case ("c"); regression_number = 2
-      case ("ct"); regression_number = 3
-      case ("ctt"); regression_number = 4
-      case default; regression_number = 0
-      end select
+      regression_number = findloc(names == regression, .true., 1)
    end function regression_number
 
-   !> Critical values at 1 %, 5 % and 10 % for a finite sample,
-   !> $$b_0 + b_1/T + b_2/T^2 + b_3/T^3$$
+   !> Critical values at 1 %, 5 %, 10 % for T rows, $$b_0 + b_1/T + b_2/T^2 + b_3/T^3$$
    pure function critical_values(regression, observations) result(values)
       !> 1 .. 4, see regression_number
       integer, intent(in) :: regression
@@ -68,8 +61,8 @@ contains
       real(dp) :: values(3), u
 
       u = 1.0_dp/real(observations, dp)
-      values = critical(0, :, regression) + u*(critical(1, :, regression) + u*(critical(2, :, regression) &
-         & + u*critical(3, :, regression)))
+      values = critical(0, :, regression) + u*(critical(1, :, regression) &
+         & + u*(critical(2, :, regression) + u*critical(3, :, regression)))
    end function critical_values
 
    !> Asymptotic probability of a smaller statistic under the unit root, Phi of a polynomial in it.
@@ -86,7 +79,8 @@ contains
       else if (t < bound(1, regression)) then
          p_value = 0.0_dp
       else if (t <= bound(2, regression)) then
-         p_value = normal_cdf(small_p(0, regression) + t*(small_p(1, regression) + t*small_p(2, regression)))
+         p_value = normal_cdf(small_p(0, regression) + t*(small_p(1, regression) &
+            & + t*small_p(2, regression)))
       else
          p_value = normal_cdf(large_p(0, regression) + t*(large_p(1, regression) &
             & + t*(large_p(2, regression) + t*large_p(3, regression))))

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> What disturbs a simulated record besides its noise: trend, warm-up, motion, outliers, rounding, lost samples.
+!> The disturbances of a simulated record: trend, warm-up, motion, outliers, rounding, losses.
 module gyroakf_simulate_disturbance
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_random, only : random_type, next_uniform
    implicit none (type, external)
    private
@@ -50,7 +50,7 @@ contains
 
    !> Adds bursts of motion: half sines of one length and height, of random sign, at random places.
    pure subroutine add_motion(x, number, height, samples, random)
-      !> Series that the bursts lie in, wholly if it is long enough: [n]; bursts that overlap are added
+      !> Series that the bursts lie in, wholly if it is long enough: [n]; overlaps are added
       real(dp), intent(inout), contiguous :: x(:)
       !> How many, >= 0
       integer(int64), intent(in) :: number
@@ -75,7 +75,7 @@ contains
       end do
    end subroutine add_motion
 
-   !> Adds outliers: at distinct random places, of random sign, uniformly distributed about their mean size.
+   !> Adds outliers at distinct random places, of random sign, uniform about their mean size.
    !>
    !> The places are drawn by Floyd's method: every set of places is equally likely.
    subroutine add_outliers(x, number, size_in_deviations, spread, random, error)
@@ -94,20 +94,19 @@ contains
       integer(int8), allocatable :: taken(:)
       integer(int64) :: n, last, place
       integer :: stat
-      real(dp) :: deviation, u
+      real(dp) :: mean, deviation, u
 
       n = size(x, kind=int64)
-      deviation = standard_deviation(x)
+      mean = x(1) + sum(x - x(1))/n
+      deviation = sqrt(sum((x - mean)**2)/max(n - 1, 1_int64))
       if (.not. deviation > 0) then
          call fatal_error(error, status%invalid_argument, &
             & "outliers are measured in standard deviations of the noise, and this record has none")
          return
       end if
       allocate (taken(n), source=0_int8, stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the places of the outliers")
-         return
-      end if
+      call check_memory(stat, "the places of the outliers", error)
+      if (allocated(error)) return
       do last = n - number + 1, n
          call next_uniform(random, u)
          place = min(1 + int(u*last, int64), last)
@@ -115,7 +114,8 @@ contains
          taken(place) = 1
          call next_uniform(random, u)
          ! u < 1/2 and u > 1/2 give the signs, its rest 0 .. 1/2 the size
-         x(place) = x(place) + sign(size_in_deviations*deviation*(1 - spread + 4*spread*mod(u, 0.5_dp)), u - 0.5_dp)
+         x(place) = x(place) + &
+            sign(size_in_deviations*deviation*(1 - spread + 4*spread*mod(u, 0.5_dp)), u - 0.5_dp)
       end do
    end subroutine add_outliers
 
@@ -125,15 +125,12 @@ contains
       real(dp), intent(inout), contiguous :: x(:)
       !> Step, unit of x, > 0
       real(dp), intent(in) :: step
-      integer(int64) :: i
 
-      do i = 1, size(x, kind=int64)
-         x(i) = step*anint(x(i)/step)
-      end do
+      x(:) = step*anint(x/step)
    end subroutine round_to_step
 
    !> Loses every sample with the same probability, independently.
-   pure subroutine lose_samples(x, share, random, present, lost)
+   pure subroutine lose_samples(x, share, random, present)
       !> Series: [n]; 0 where lost
       real(dp), intent(inout), contiguous :: x(:)
       !> Probability, 0 .. 1
@@ -142,40 +139,17 @@ contains
       type(random_type), intent(inout) :: random
       !> 1 present, 0 lost: [n]
       integer(int8), intent(out), contiguous :: present(:)
-      !> How many were lost
-      integer(int64), intent(out) :: lost
       integer(int64) :: i
       real(dp) :: u
 
-      lost = 0
       do i = 1, size(x, kind=int64)
          call next_uniform(random, u)
          present(i) = 1
          if (u < share) then
             present(i) = 0
             x(i) = 0
-            lost = lost + 1
          end if
       end do
    end subroutine lose_samples
-
-   !> Standard deviation about the mean; 0 for a single value
-   pure real(dp) function standard_deviation(x)
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int64) :: i, n
-      real(dp) :: mean, total
-
-      n = size(x, kind=int64)
-      total = 0
-      do i = 1, n
-         total = total + (x(i) - x(1))
-      end do
-      mean = x(1) + total/n
-      total = 0
-      do i = 1, n
-         total = total + (x(i) - mean)**2
-      end do
-      standard_deviation = sqrt(total/max(n - 1, 1_int64))
-   end function standard_deviation
 
 end module gyroakf_simulate_disturbance

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> The noise terms of a gyroscope, each added to a series of rates.
 !>
-!> A rate is the mean over its sample interval t0 (the angle gained, divided by t0), as a gyroscope gives it and as the
-!> Allan variance takes it: with this the random walk has the variance K^2 tau/3 at every tau, the first included.
-!> Coefficients are in the unit u of the rate and seconds; PSDs are two-sided. Source of the model: IEEE Std 952-1997,
-!> annex C.
+!> A rate is the mean over its sample interval t0 (the angle gained, divided by t0), as a gyroscope
+!> gives it and as the Allan variance takes it: with this the random walk has the variance K^2 tau/3
+!> at every tau, the first included. Coefficients are in the unit u of the rate and seconds; PSDs
+!> are two-sided. Source of the model: IEEE Std 952-1997, annex C.
 !>
 !> | term | PSD of the rate | Allan variance |
 !> |---|---|---|
@@ -14,20 +14,22 @@
 !> | K, u/sqrt(s): rate random walk | K^2/(2 pi f)^2 | K^2 tau/3 |
 !> | R, u/s: ramp | | R^2 tau^2/2 |
 !>
-!> A new term: a procedure here, its coefficient in [[simulate_options]], one call with a stream of its own in
-!> [[simulate_record]], its expected Allan variance in test/test_simulate.f90.
+!> A new term: a procedure here, its coefficient in [[simulate_options]], one call with a stream of
+!> its own in [[simulate_record]], its expected Allan variance in test/test_simulate.f90.
 module gyroakf_simulate_noise
    use gyroakf_kinds, only : dp, int64
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_fft, only : convolve
    use gyroakf_random, only : random_type, next_normal, next_uniform, next_laplace, next_t5
    implicit none (type, external)
    private
-   public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, add_autoregressive
+   public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, &
+      add_autoregressive
 
    !> Variates less one between two calls of the progress: a power of two less one
    integer(int64), parameter :: report_mask = 1048575_int64
+   character(*), parameter :: stage = "simulating"
 
 contains
 
@@ -52,7 +54,8 @@ contains
 
       call next_normal(random, before)
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress(stage, i - 1, &
+            size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, after)
          x(i) = x(i) + q*(after - before)/t0
@@ -70,8 +73,9 @@ contains
       real(dp), intent(in) :: n
       !> Sample interval, s, > 0
       real(dp), intent(in) :: t0
-      !> Distribution of the g, of variance 1: laplace, t5 ([[gyroakf_random:next_t5]]), mixture (of two
-      !> normal distributions with the ratio 8 of their standard deviations in equal shares), else normal
+      !> Distribution of the g, of variance 1: laplace, t5 ([[gyroakf_random:next_t5]]), mixture (of
+      !> two normal distributions with the ratio 8 of their standard deviations in equal shares),
+      !> else normal
       character(*), intent(in) :: tails
       !> Where the variates come from
       type(random_type), intent(inout) :: random
@@ -85,7 +89,8 @@ contains
 
       scale = n/sqrt(t0)
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress(stage, i - 1, &
+            size(x, kind=int64), error, progress)
          if (allocated(error)) return
          select case (tails)
          case ("laplace"); call next_laplace(random, g)
@@ -101,11 +106,13 @@ contains
 
    !> Adds 1/f noise: white noise through the half integrator of the record's whole length.
    !>
-   !> $$ x_i \mathrel{+}= B \sum_{k=0}^{i} h_k g_{i-k}, \quad h_0 = 1,\ h_k = h_{k-1} (k - 1/2)/k; $$
-   !> the filter's squared gain is 1/(2 sin(pi f t0)), hence the PSD B^2/(2 pi f) below the sampling frequency and a
-   !> floor of the Allan deviation at 0.664 B. Being sampled it has more at the shortest times: the Allan variance is 1.44,
-   !> 1.15, 1.05, 1.015 times the floor's at 1, 2, 4, 8 samples. It begins with the record: its variance grows as ln i.
-   !> Source: N. Kasdin, Discrete simulation of colored noise, Proc. IEEE 83 (1995) 802.
+   !> $$ x_i \mathrel{+}= B \sum_{k=0}^{i} h_k g_{i-k}, \quad
+   !>    h_0 = 1,\ h_k = h_{k-1} (k - 1/2)/k; $$
+   !> the filter's squared gain is 1/(2 sin(pi f t0)), hence the PSD B^2/(2 pi f) below the sampling
+   !> frequency and a floor of the Allan deviation at 0.664 B. Being sampled it has more at the
+   !> shortest times: the Allan variance is 1.44, 1.15, 1.05, 1.015 times the floor's at 1, 2, 4, 8
+   !> samples. It begins with the record: its variance grows as ln i. Source: N. Kasdin, Discrete
+   !> simulation of colored noise, Proc. IEEE 83 (1995) 802.
    subroutine add_flicker(x, b, random, error, progress)
       !> Rates: [n], n >= 1
       real(dp), intent(inout), contiguous :: x(:)
@@ -125,25 +132,23 @@ contains
       allocate (h(n), stat=stat)
       if (stat == 0) allocate (g(n), stat=stat)
       if (stat == 0) allocate (noise(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the flicker noise")
-         return
-      end if
+      call check_memory(stat, "the flicker noise", error)
+      if (allocated(error)) return
       do i = 1, n
-         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress(stage, i - 1, n, error, progress)
          if (allocated(error)) return
          call next_normal(random, g(i))
       end do
       h(1) = 1
       do i = 1, n - 1
-         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, n, error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress(stage, i - 1, n, error, progress)
          if (allocated(error)) return
          h(i + 1) = h(i)*((i - 0.5_dp)/i)
       end do
       call convolve(h, g, noise, error, progress)
       if (allocated(error)) return
       do i = 1, n
-         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, n, error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress(stage, i - 1, n, error, progress)
          if (allocated(error)) return
          x(i) = x(i) + b*noise(i)
       end do
@@ -151,9 +156,9 @@ contains
 
    !> Adds the random walk of the rate, as its means over the sample intervals.
    !>
-   !> $$ x_i \mathrel{+}= w_i + K\sqrt{t_0} \left(\frac{g_i}{2} + \frac{g'_i}{2\sqrt 3}\right), \quad
-   !>    w_{i+1} = w_i + K\sqrt{t_0}\, g_i, \quad w_1 = 0 $$
-   !> (mean of a Brownian motion over an interval, given its ends: the g are the increments, the g' the bridges).
+   !> $$ x_i \mathrel{+}= w_i + K\sqrt{t_0} \left(\frac{g_i}{2} + \frac{g'_i}{2\sqrt 3}\right),
+   !>    \quad w_{i+1} = w_i + K\sqrt{t_0}\, g_i, \quad w_1 = 0 $$
+   !> (mean of a Brownian motion over an interval, given its ends: increments g, bridges g').
    subroutine add_random_walk(x, k, t0, random, error, progress)
       !> Rates: [n]
       real(dp), intent(inout), contiguous :: x(:)
@@ -174,7 +179,8 @@ contains
       step = k*sqrt(t0)
       w = 0
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress(stage, i - 1, &
+            size(x, kind=int64), error, progress)
          if (allocated(error)) return
          call next_normal(random, g1)
          call next_normal(random, g2)
@@ -205,9 +211,10 @@ contains
    !> Adds an autoregressive process that is stationary from its first sample.
    !>
    !> $$ z_i = \sum_{j=1}^{p} \phi_j z_{i-j} + a_i $$
-   !> The first p values are drawn from the stationary distribution, value k given the k - 1 before it: the predictors
-   !> of the orders 0 .. p-1 and their error variances follow from the model by Levinson's recursion run downwards.
-   !> Source: P. Brockwell, R. Davis, Time Series: Theory and Methods (1991), sec. 5.2 and 8.2.
+   !> The first p values are drawn from the stationary distribution, value k given the k - 1 before
+   !> it: the predictors of the orders 0 .. p-1 and their error variances follow from the model by
+   !> Levinson's recursion run downwards. Source: P. Brockwell, R. Davis, Time Series: Theory and
+   !> Methods (1991), sec. 5.2 and 8.2.
    subroutine add_autoregressive(x, phi, variance, random, error, progress)
       !> Series: [n]
       real(dp), intent(inout), contiguous :: x(:)
@@ -231,7 +238,8 @@ contains
       if (allocated(error)) return
       allocate (past(p), source=0.0_dp)                ! past(j) is the value j samples ago
       do i = 1, size(x, kind=int64)
-         if (iand(i - 1, report_mask) == 0) call report_progress("simulating", i - 1, size(x, kind=int64), error, progress)
+         if (iand(i - 1, report_mask) == 0) call report_progress(stage, i - 1, &
+            size(x, kind=int64), error, progress)
          if (allocated(error)) return
          order = int(min(i - 1, int(p, int64)))
          call next_normal(random, g)
@@ -242,10 +250,11 @@ contains
       end do
    end subroutine add_autoregressive
 
-   !> The best predictors of every order 0 .. p of an AR(p) process, and the standard deviations of their errors.
+   !> The best predictors of the orders 0 .. p of an AR(p) process; deviations of their errors.
    !>
-   !> $$ \phi^{(m-1)}_j = \frac{\phi^{(m)}_j + \kappa_m \phi^{(m)}_{m-j}}{1 - \kappa_m^2}, \quad \kappa_m = \phi^{(m)}_m,
-   !>    \quad \sigma_m^2 = \sigma_{m-1}^2 (1 - \kappa_m^2), \quad \sigma_0^2 = \mathrm{variance} $$
+   !> $$ \phi^{(m-1)}_j = \frac{\phi^{(m)}_j + \kappa_m \phi^{(m)}_{m-j}}{1 - \kappa_m^2},
+   !>    \quad \kappa_m = \phi^{(m)}_m, \quad \sigma_m^2 = \sigma_{m-1}^2 (1 - \kappa_m^2),
+   !>    \quad \sigma_0^2 = \mathrm{variance} $$
    !> The process is stationary exactly if every |kappa| < 1.
    pure subroutine step_down(phi, variance, predictor, deviation, error)
       real(dp), intent(in) :: phi(:), variance
@@ -258,11 +267,13 @@ contains
       predictor(:, p) = phi(:)
       do m = p, 1, -1
          if (abs(predictor(m, m)) >= 1) then
-            call fatal_error(error, status%unstable, "the AR model of the simulation is not stationary")
+            call fatal_error(error, status%unstable, &
+               "the AR model of the simulation is not stationary")
             return
          end if
          do j = 1, m - 1
-            predictor(j, m - 1) = (predictor(j, m) + predictor(m, m)*predictor(m - j, m))/(1 - predictor(m, m)**2)
+            predictor(j, m - 1) = (predictor(j, m) + predictor(m, m)*predictor(m - j, m))/ &
+               (1 - predictor(m, m)**2)
          end do
       end do
       deviation(0) = sqrt(variance)

@@ -6,8 +6,8 @@
 !> makes them on the way:
 !>
 !>     call plan_autocovariance(shared, max_lag, moments%mean, moments%remainder)
-!>     call test_adf(x, options, result, error, valid, shared=shared)      ! a pass that fills it
-!>     call need_autocovariance(x, shared, error, valid)                   ! a pass of its own where that did not happen
+!>     call test_adf(x, options, result, error, valid, shared)   ! a pass that fills it
+!>     call need_autocovariance(x, shared, error, valid)         ! a pass of its own where none did
 !>     call ljung_box_of(shared%r(0:20), n, 0, test, error, shared%pairs(0:20))
 module gyroakf_stats_autocovariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
@@ -16,14 +16,13 @@ module gyroakf_stats_autocovariance
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_progress, only : progress_type
-   use gyroakf_stats_lagged_products, only : add_lagged_products
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block
    use gyroakf_stats_moments, only : first_present
-   use gyroakf_stats_residual_block, only : detrended_block
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
    public :: autocovariance_type, compute_autocovariance, plan_autocovariance, &
-      & need_autocovariance, series_mean
+      & need_autocovariance, find_level
    public :: check_series, add_lag_block, close_autocovariance
 
    !> Autocovariances that several need
@@ -57,11 +56,11 @@ contains
 
    !> Autocovariances of a series at the lags 0 .. max_lag.
    !>
-   !> $$r_k = \frac{1}{n} \sum_{t=k}^{n-1} (x_t - \bar x)(x_{t-k} - \bar x)$$
-   !> the biased form, whose Toeplitz matrix is positive definite. With missing samples the mean is that of
-   !> the present ones and $$r_k = \frac{n-k}{n}\,\frac{1}{m_k}\sum (x_t - \bar x)(x_{t-k} - \bar x)$$ over the
-   !> m_k pairs that are present, 0 where there is none; positive definiteness is then not guaranteed.
-   !> Source: Brockwell & Davis, Time Series: Theory and Methods (1991), 7.2; Parzen (1963) for gaps.
+   !> $$r_k = \frac{1}{n} \sum_{t=k}^{n-1} (x_t - \bar x)(x_{t-k} - \bar x)$$ the biased form, whose
+   !> Toeplitz matrix is positive definite. With missing samples the mean is that of the present
+   !> ones and $$r_k = \frac{n-k}{n}\,\frac{1}{m_k}\sum (x_t - \bar x)(x_{t-k} - \bar x)$$ over the
+   !> m_k pairs that are present, 0 where there is none; not always positive definite. Source:
+   !> Brockwell & Davis, Time Series: Theory and Methods (1991), 7.2; Parzen (1963) for gaps.
    subroutine compute_autocovariance(x, max_lag, mean, r, error, valid, pairs, progress)
       !> Series: [n], any unit u, finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -69,9 +68,9 @@ contains
       integer, intent(in) :: max_lag
       !> Mean of the present samples, u
       real(dp), intent(out) :: mean
-      !> Autocovariances: [0:max_lag], u^2; r(0) is 0 where the series is constant, which is no error
+      !> Autocovariances: [0:max_lag], u^2; r(0) is 0 for a constant series, which is no error
       real(dp), allocatable, intent(out) :: r(:)
-      !> invalid_argument (max_lag < 0, size of valid), too_few_samples, non_finite, no_memory, cancelled
+      !> invalid_argument, too_few_samples, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -80,20 +79,18 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(autocovariance_type) :: shared
-      real(dp) :: shift, rest
+      type(trend_type) :: level
       integer(int64) :: count
 
       mean = 0.0_dp
       call check_series(size(x, kind=int64), max_lag, error, valid)
+      if (.not. allocated(error)) call find_level(x, level, count, error, valid)
       if (allocated(error)) return
-      call series_mean(x, shift, rest, count, error, valid)
-      mean = shift + rest
-      if (.not. allocated(error)) then
-         call plan_autocovariance(shared, max_lag, shift, rest)
-         call need_autocovariance(x, shared, error, valid, progress)
-         call move_alloc(shared%r, r)
-         if (present(pairs)) call move_alloc(shared%pairs, pairs)
-      end if
+      mean = level%legendre(0) + level%remainder
+      call plan_autocovariance(shared, max_lag, level%legendre(0), level%remainder)
+      call need_autocovariance(x, shared, error, valid, progress)
+      call move_alloc(shared%r, r)
+      if (present(pairs)) call move_alloc(shared%pairs, pairs)
    end subroutine compute_autocovariance
 
    !> Refuses a lag or a mask that does not fit the series.
@@ -112,25 +109,22 @@ contains
          write (text, '("the largest lag must not be negative, it is ", i0)') max_lag
          call fatal_error(error, status%invalid_argument, trim(text))
       else if (n < int(max_lag, int64) + 1) then
-         write (text, '("lag ", i0, " needs at least ", i0, " samples, there are ", i0)') max_lag, int(max_lag, int64) + 1, n
+         write (text, "(3(a, i0))") "lag ", max_lag, " needs at least ", int(max_lag, int64) + 1, &
+            & " samples, there are ", n
          call fatal_error(error, status%too_few_samples, trim(text))
       else if (present(valid)) then
-         if (size(valid, kind=int64) /= n) then
-            call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
-         end if
+         if (size(valid, kind=int64) /= n) call fatal_error(error, status%invalid_argument, &
+            & "the mask and the series differ in length")
       end if
    end subroutine check_series
 
-   !> Mean of the present samples as the sum of two numbers, the first present sample and the mean
-   !> distance from it. Subtracting both in turn keeps the digits that their sum would round off where
-   !> the series has a large offset.
-   subroutine series_mean(x, shift, rest, count, error, valid)
+   !> Mean of the present samples as the sum of two numbers, the first present one and the mean
+   !> distance from it: subtracting both in turn keeps the digits of a series with a large offset.
+   subroutine find_level(x, level, count, error, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> First present sample, 0 where there is none
-      real(dp), intent(out) :: shift
-      !> Mean of x - shift
-      real(dp), intent(out) :: rest
+      !> The two as a trend of degree 0
+      type(trend_type), intent(out) :: level
       !> Number of present samples
       integer(int64), intent(out) :: count
       !> too_few_samples, non_finite, no_memory
@@ -140,21 +134,18 @@ contains
       type(level_sums_type) :: sums
       real(dp) :: total(2)
 
-      shift = first_present(x, valid)
-      call set_level(sums%level, shift, 0.0_dp)
+      call set_level(level, first_present(x, valid), 0.0_dp)
+      sums%level = level
       call sum_chunks(sums, x, size(x, kind=int64), "mean", total, error, valid)
       count = nint(total(2), int64)
-      rest = 0.0_dp
       if (allocated(error)) return
-      if (count < 1) then
-         call fatal_error(error, status%too_few_samples, "every sample of the series is missing")
-         return
-      end if
-      rest = total(1)/total(2)
-      if (.not. ieee_is_finite(shift + rest)) then
-         call fatal_error(error, status%non_finite, "the series has a value that is not finite")
-      end if
-   end subroutine series_mean
+      if (count < 1) call fatal_error(error, status%too_few_samples, &
+         & "every sample of the series is missing")
+      if (allocated(error)) return
+      level%remainder = total(1)/total(2)
+      if (.not. ieee_is_finite(level%legendre(0) + level%remainder)) call fatal_error(error, &
+         & status%non_finite, "the series has a value that is not finite")
+   end subroutine find_level
 
    !> Sum and number of the present samples of a chunk.
    subroutine add_level(self, x, n, chunk, total, stat, valid)
@@ -226,10 +217,8 @@ contains
       call check_series(n, shared%max_lag, error, valid)
       if (allocated(error)) return
       allocate (total(2*(shared%max_lag + 1)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the lagged sums")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the lagged sums")
+      if (allocated(error)) return
       call set_level(sums%level, shared%mean, shared%remainder)
       call sum_chunks(sums, x, n, "autocovariances", total, error, valid, progress)
       if (.not. allocated(error)) call close_autocovariance(shared, n, total)
@@ -254,8 +243,7 @@ contains
       end do
    end subroutine add_lags
 
-   !> Adds the products of the samples of a block with themselves and their past, and counts the
-   !> pairs.
+   !> Adds the products of a block's samples with themselves and their past; counts the pairs.
    subroutine add_lag_block(x, level, first, last, total, stat, valid)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)

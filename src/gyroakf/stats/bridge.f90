@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Distribution of the integral of a squared Brownian bridge, of the first and of the second level: the limits of the KPSS
-!> statistic about a level and about a line.
+!> Distribution of the integral of a squared Brownian bridge, of the first and of the second level:
+!> the limits of the KPSS statistic about a level and about a line.
 module gyroakf_stats_bridge
    use gyroakf_kinds, only : dp
    implicit none (type, external)
@@ -8,7 +8,7 @@ module gyroakf_stats_bridge
    public :: bridge_survival
 
    real(dp), parameter :: pi = 3.14159265358979323846_dp
-   !> Nodes of the quadrature between two zeros; the integrand is smooth in the angle, twice as many change nothing
+   !> Nodes of the quadrature between two zeros; twice as many change nothing
    integer, parameter :: nodes = 40
    !> Intervals at most: exp(-x s^2/2) has vanished long before for the smallest x
    integer, parameter :: most_intervals = 40
@@ -19,10 +19,11 @@ contains
 
    !> Probability that the integral exceeds x, by Smirnov's formula.
    !>
-   !> $$P = \frac{2}{\pi} \sum_{k \ge 1} (-1)^{k+1} \int_{s_{2k-1}}^{s_{2k}} \frac{e^{-x s^2/2}}{s \sqrt{-D(s)}} ds$$
-   !> where s_1 < s_2 < ... are the zeros of D: sin(s)/s for the first level, 12 (2 - 2 cos s - s sin s)/s^4 for the second.
-   !> Absolute error below 1e-14, relative error below 1e-12. Sources: Anderson & Darling, Ann. Math. Stat. 23 (1952) 193-212;
-   !> MacNeill, Ann. Stat. 6 (1978) 422-433, for the second level.
+   !> $$P = \frac{2}{\pi} \sum_{k \ge 1} (-1)^{k+1} \int_{s_{2k-1}}^{s_{2k}} \frac{e^{-x s^2/2}}{s
+   !> \sqrt{-D(s)}} ds$$ where s_1 < s_2 < ... are the zeros of D: sin(s)/s for the first level, 12
+   !> (2 - 2 cos s - s sin s)/s^4 for the second. Absolute error below 1e-14, relative error below
+   !> 1e-12. Sources: Anderson & Darling, Ann. Math. Stat. 23 (1952) 193-212; MacNeill, Ann. Stat. 6
+   !> (1978) 422-433.
    pure real(dp) function bridge_survival(x, level) result(p)
       !> Any value; p is 1 for x <= 0
       real(dp), intent(in) :: x
@@ -44,7 +45,7 @@ contains
       p = min(max(p, 0.0_dp), 1.0_dp)
    end function bridge_survival
 
-   !> The integral between zeros 2k-1 and 2k, with s = middle + half cos(angle): the roots at both ends go into the angle.
+   !> The integral between zeros 2k-1 and 2k, with s = middle + half cos(angle).
    pure real(dp) function integral(x, level, k) result(total)
       real(dp), intent(in) :: x
       integer, intent(in) :: level, k
@@ -82,7 +83,7 @@ contains
       end if
    end function determinant
 
-   !> Zero of tan(s/2) = s/2 between 2 pi k and 2 pi k + pi, by Newton's method on sin(u) - u cos(u), u = s/2.
+   !> Zero of tan(u) = u, u = s/2, next to 2 pi k, by Newton's method on sin(u) - u cos(u).
    pure real(dp) function second_zero(k) result(s)
       integer, intent(in) :: k
       real(dp) :: u

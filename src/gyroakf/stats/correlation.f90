@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Autocorrelation and partial autocorrelation of a series to any lag, and the tests of whiteness at every lag, from the same
-!> numbers: one pass for the mean, one for all lags.
+!> Autocorrelation and partial autocorrelation of a series to any lag, and the tests of whiteness at
+!> every lag, from the same numbers: one pass for the mean, one for all lags.
 module gyroakf_stats_correlation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
@@ -26,7 +26,7 @@ module gyroakf_stats_correlation
       real(dp), allocatable :: acf(:)
       !> Partial autocorrelation: [0:h]; 0 above `partial_lags`
       real(dp), allocatable :: pacf(:)
-      !> Lags whose partial autocorrelation exists: h, fewer where the past predicts perfectly (or gaps pretend so)
+      !> Lags whose partial autocorrelation exists: h, fewer where the past predicts perfectly
       integer :: partial_lags = 0
       !> Present pairs: [0:h]
       integer(int64), allocatable :: pairs(:)
@@ -34,8 +34,7 @@ module gyroakf_stats_correlation
       real(dp), allocatable :: limit(:)
       !> Those of a series that is correlated up to the lag before (Bartlett): [0:h]
       real(dp), allocatable :: bartlett(:)
-      !> Ljung-Box statistic over the lags 1 .. k and the probability of a larger one: [0:h];
-      !> p is 1 up to `fitted`
+      !> Ljung-Box statistic over the lags 1 .. k, and p, 1 up to `fitted`: [0:h]
       real(dp), allocatable :: ljung_box(:), ljung_box_p(:)
       !> Size of the effect: largest |acf| beyond lag 0, and its lag
       real(dp) :: largest_rho = 0.0_dp
@@ -49,11 +48,12 @@ contains
 
    !> Correlation of a series.
    !>
-   !> $$\hat\rho_k = r_k/r_0, \quad r_k = \frac{1}{n} \sum_{t=k}^{n-1} (x_t - \bar x)(x_{t-k} - \bar x)$$
-   !> and the partial autocorrelation is the last coefficient of the AR(k) model that solves the Yule-Walker equations. White
-   !> noise stays within 1.96/sqrt(n) at 95 % of the lags; a series that is correlated up to lag k-1 within
-   !> $$1.96 \sqrt{(1 + 2 \sum_{i<k} \hat\rho_i^2)/n}$$ at lag k (Bartlett, J. R. Stat. Soc. B 8 (1946) 27-41). With missing
-   !> samples r_k comes from the m_k present pairs, and m_k takes the place of n - k.
+   !> $$\hat\rho_k = r_k/r_0, \quad r_k = \frac{1}{n} \sum_{t=k}^{n-1} (x_t - \bar x)(x_{t-k} - \bar
+   !> x)$$ and the partial autocorrelation is the last coefficient of the AR(k) model that solves
+   !> the Yule-Walker equations. White noise stays within 1.96/sqrt(n) at 95 % of the lags; a series
+   !> that is correlated up to lag k-1 within $$1.96 \sqrt{(1 + 2 \sum_{i<k} \hat\rho_i^2)/n}$$ at
+   !> lag k (Bartlett, J. R. Stat. Soc. B 8 (1946) 27-41). With missing samples r_k comes from the
+   !> m_k present pairs, and m_k takes the place of n - k.
    subroutine compute_correlation(x, lags, fitted, result, error, valid, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -75,11 +75,7 @@ contains
 
       call compute_autocovariance(x, lags, mean, r, error, valid, pairs, progress)
       if (allocated(error)) return
-      if (present(valid)) then
-         call correlation_of(r, size(x, kind=int64), fitted, result, error, pairs)
-      else
-         call correlation_of(r, size(x, kind=int64), fitted, result, error)
-      end if
+      call correlation_of(r, size(x, kind=int64), fitted, result, error, pairs)
       result%mean = mean
    end subroutine compute_correlation
 
@@ -99,16 +95,20 @@ contains
       integer(int64), intent(in), optional :: pairs(0:)
       type(ljung_box_type) :: whole
       integer :: h, k, stat
-      logical :: there
 
       call ljung_box_of(r, n, fitted, whole, error, pairs)
       if (allocated(error)) return
       h = ubound(r, 1)
-      call allocate_result(result, h, there)
-      if (.not. there) then
-         call fatal_error(error, status%no_memory, "no memory for the correlation at every lag")
-         return
-      end if
+      allocate (result%acf(0:h), stat=stat)
+      if (stat == 0) allocate (result%pacf(0:h), stat=stat)
+      if (stat == 0) allocate (result%pairs(0:h), stat=stat)
+      if (stat == 0) allocate (result%limit(0:h), stat=stat)
+      if (stat == 0) allocate (result%bartlett(0:h), stat=stat)
+      if (stat == 0) allocate (result%ljung_box(0:h), stat=stat)
+      if (stat == 0) allocate (result%ljung_box_p(0:h), stat=stat)
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the correlation at every lag")
+      if (allocated(error)) return
       result%lags = h
       result%samples = n
       result%fitted = fitted
@@ -121,81 +121,49 @@ contains
          result%acf(k) = r(k)/r(0)
       end do
       result%observations = result%pairs(0)
-      call set_limits(result)
-      call set_tests(result)
+      call set_limits_and_tests(result)
       call partial_autocorrelation(result%acf, result%pacf, result%partial_lags, stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the partial autocorrelation")
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the partial autocorrelation")
    end subroutine correlation_of
 
-   !> Allocates the columns.
-   pure subroutine allocate_result(result, h, there)
+   !> Limits of the autocorrelation: the mean over m_k pairs has the variance 1/m_k, and acf has the
+   !> factor (n-k)/n. Ljung-Box statistic at every lag; weights as in [[ljung_box_of]].
+   subroutine set_limits_and_tests(result)
       type(correlation_type), intent(inout) :: result
-      integer, intent(in) :: h
-      !> There is memory for them
-      logical, intent(out) :: there
-      integer :: stat
-
-      allocate (result%acf(0:h), stat=stat)
-      if (stat == 0) allocate (result%pacf(0:h), stat=stat)
-      if (stat == 0) allocate (result%pairs(0:h), stat=stat)
-      if (stat == 0) allocate (result%limit(0:h), stat=stat)
-      if (stat == 0) allocate (result%bartlett(0:h), stat=stat)
-      if (stat == 0) allocate (result%ljung_box(0:h), stat=stat)
-      if (stat == 0) allocate (result%ljung_box_p(0:h), stat=stat)
-      there = stat == 0
-   end subroutine allocate_result
-
-   !> Limits of the autocorrelation: the mean over m_k pairs has the variance 1/m_k, and acf has the factor (n-k)/n.
-   pure subroutine set_limits(result)
-      type(correlation_type), intent(inout) :: result
-      real(dp) :: share, n, bartlett
+      real(dp) :: n, used, share, weight, rho, bartlett
       integer :: k
 
       result%limit(0) = 0.0_dp
       result%bartlett(0) = 0.0_dp
+      result%ljung_box(0) = 0.0_dp
+      result%ljung_box_p = 1.0_dp
       bartlett = 1.0_dp
       n = real(result%samples, dp)
+      used = real(result%observations, dp)
       do k = 1, result%lags
+         rho = result%acf(k)
          share = (n - real(k, dp))/n/real(max(result%pairs(k), 1_int64), dp)
          result%limit(k) = normal_95*sqrt(share)
          result%bartlett(k) = normal_95*sqrt(share*bartlett)
-         bartlett = bartlett + 2.0_dp*result%acf(k)**2
-      end do
-   end subroutine set_limits
-
-   !> Ljung-Box statistic at every lag; weights as in [[ljung_box_of]].
-   subroutine set_tests(result)
-      type(correlation_type), intent(inout) :: result
-      real(dp) :: n, used, rho, weight
-      integer :: k
-
-      n = real(result%samples, dp)
-      used = real(result%observations, dp)
-      result%ljung_box(0) = 0.0_dp
-      result%ljung_box_p(0) = 1.0_dp
-      do k = 1, result%lags
+         bartlett = bartlett + 2.0_dp*rho**2
          weight = real(result%pairs(k), dp)*(n/(n - real(k, dp)))
-         rho = result%acf(k)
-         result%ljung_box(k) = result%ljung_box(k - 1) + weight*(n/(n - real(k, dp)))*rho*rho*((used + 2.0_dp)/used)
-         result%ljung_box_p(k) = 1.0_dp
-         if (k <= result%fitted) cycle
-         result%ljung_box_p(k) = chi_square_survival(result%ljung_box(k), real(k - result%fitted, dp))
+         result%ljung_box(k) = result%ljung_box(k - 1) &
+            & + weight*(n/(n - real(k, dp)))*rho*rho*((used + 2.0_dp)/used)
+         if (k > result%fitted) result%ljung_box_p(k) = chi_square_survival(result%ljung_box(k), &
+            & real(k - result%fitted, dp))
       end do
-   end subroutine set_tests
+   end subroutine set_limits_and_tests
 
-   !> Reflection coefficients of Levinson's recursion; memory O(h), which [[solve_levinson]] with its table of all models has not.
+   !> Reflection coefficients of Levinson's recursion ([[solve_levinson]]) in memory O(h).
    pure subroutine partial_autocorrelation(rho, pacf, known, stat)
-      !> Autocorrelation: [0:h]
       real(dp), intent(in), contiguous :: rho(0:)
-      !> [0:h]
       real(dp), intent(out), contiguous :: pacf(0:)
       !> Lags up to which the recursion went
-      integer, intent(out) :: known
-      !> Not 0 where memory is short
-      integer, intent(out) :: stat
+      integer, intent(out) :: known, stat
       real(dp), allocatable :: phi(:)
-      real(dp) :: variance, reflection, a, b
-      integer :: m, j, half
+      real(dp) :: variance, reflection
+      integer :: m, j
 
       pacf(:) = 0.0_dp
       pacf(0) = 1.0_dp
@@ -211,14 +179,7 @@ contains
          reflection = reflection/variance
          variance = variance*((1.0_dp - reflection)*(1.0_dp + reflection))
          if (variance <= epsilon(variance)) return
-         half = m/2
-         do j = 1, m - 1 - half
-            a = phi(j)
-            b = phi(m - j)
-            phi(j) = a - reflection*b
-            phi(m - j) = b - reflection*a
-         end do
-         if (2*half == m) phi(half) = phi(half)*(1.0_dp - reflection)
+         phi(:m - 1) = phi(:m - 1) - reflection*phi(m - 1:1:-1)
          phi(m) = reflection
          pacf(m) = reflection
          known = m

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Variance of the differences of successive samples: what white noise leaves, whatever drifts slowly below it.
+!> Variance of the differences of successive samples: that of white noise, whatever drifts.
 module gyroakf_stats_differences
    use gyroakf_kinds, only : dp, int8, int64
    implicit none (type, external)
@@ -11,7 +11,7 @@ module gyroakf_stats_differences
 
 contains
 
-   !> Variance (ddof 1) of x(i+1) - x(i) over the pairs that are present; 0 where there are fewer than two pairs.
+   !> Variance (ddof 1) of x(i+1) - x(i) over the present pairs; 0 below two pairs.
    real(dp) function difference_variance(x, valid) result(variance)
       !> The series, without a large trend: [n], finite
       real(dp), intent(in), contiguous :: x(:)
@@ -20,13 +20,15 @@ contains
       integer(int64) :: n, blocks, b, first, last
       integer(int64), allocatable :: pairs(:)
       real(dp), allocatable :: sums(:), squares(:)
+      real(dp) :: count
 
       variance = 0.0_dp
       n = size(x, kind=int64)
       if (n < 3) return
       blocks = (n - 1 + block_size - 1)/block_size
       allocate (pairs(blocks), sums(blocks), squares(blocks))
-      !$omp parallel do default(none) shared(x, valid, n, blocks, pairs, sums, squares) private(first, last) schedule(static)
+      !$omp parallel do default(none) shared(x, valid, n, blocks, pairs, sums, squares) &
+      !$omp& private(first, last) schedule(static)
       do b = 1, blocks
          first = (b - 1)*block_size + 1
          last = min(b*block_size, n - 1) + 1
@@ -36,8 +38,8 @@ contains
             call sum_block(x(first:last), pairs(b), sums(b), squares(b))
          end if
       end do
-      if (sum(pairs) < 2) return
-      variance = max(0.0_dp, sum(squares) - sum(sums)**2/real(sum(pairs), dp))/real(sum(pairs) - 1, dp)
+      count = real(sum(pairs), dp)
+      if (count > 1.5_dp) variance = max(0.0_dp, sum(squares) - sum(sums)**2/count)/(count - 1.0_dp)
    end function difference_variance
 
    !> Sums over the pairs of one block.

@@ -15,7 +15,7 @@ module gyroakf_stats_extremes
 
 contains
 
-   !> True where no value is NaN, infinite or larger than so much: tested by the bits, without floating-point exceptions.
+   !> True where no value is NaN, infinite or too large; raises no floating-point exception.
    logical function all_sound(value, largest)
       !> Any
       real(dp), intent(in), contiguous :: value(:)
@@ -35,7 +35,7 @@ contains
       all_sound = top <= limit
    end function all_sound
 
-   !> The largest of the bits without signs: they are in the order of the magnitudes, NaN and infinity at the top.
+   !> Largest bits without signs: in the order of the magnitudes, NaN and infinity at the top.
    pure integer(int64) function largest_bits(value) result(top)
       real(dp), intent(in), contiguous :: value(:)
       integer(int64) :: i, bits
@@ -69,8 +69,8 @@ contains
       low = huge(low)
       high = -huge(high)
       step = huge(step)
-      !$omp parallel do schedule(static) private(first, last) reduction(min:low, step) reduction(max:high) &
-      !$omp& if (n > worth_threads)
+      !$omp parallel do schedule(static) private(first, last) reduction(min:low, step) &
+      !$omp& reduction(max:high) if (n > worth_threads)
       do k = 0, blocks - 1
          first = max(1_int64, k*block_values)
          last = min(n, (k + 1)*block_values)

@@ -1,30 +1,27 @@
 ! SPDX-License-Identifier: MIT
-!> Fisher's test for a hidden periodicity: the largest ordinate of the periodogram against the sum of all.
+!> Fisher's test for a hidden periodicity: the periodogram's largest ordinate over their sum.
 !>
-!> The null hypothesis is white noise: a series with correlation is whitened first ([[gyroakf_ar_periodicity]]), or the test
-!> finds its correlation.
+!> The null hypothesis is white noise: a series with correlation is whitened first
+!> ([[gyroakf_ar_periodicity]]), or the test finds its correlation.
 module gyroakf_stats_fisher
-   use, intrinsic :: iso_c_binding, only : c_double
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_special, only : log1p
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
+   use gyroakf_chunks, only : block_length
    use gyroakf_stats_extremes, only : scan_extremes
    implicit none (type, external)
    private
    public :: fisher_type, test_fisher_g, fisher_tail
 
-   !> Samples that are summed at once
-   integer(int64), parameter :: block_length = 1024_int64
-
    !> Result of the test
    type :: fisher_type
       !> g: share of the largest ordinate in the sum of all
       real(dp) :: statistic = 0.0_dp
-      !> Share of the largest ordinate and the larger of its neighbors: a sinusoid without noise has
-      !> at least 0.81
+      !> Share of the largest ordinate and its larger neighbor, >= 0.81 for a pure sinusoid
       real(dp) :: peak = 0.0_dp
-      !> Probability of a larger g in white noise, and its logarithm, which does not underflow (-huge where g is 1)
+      !> Probability of a larger g in white noise; its logarithm (-huge where g is 1)
       real(dp) :: p_value = 1.0_dp, log_p_value = 0.0_dp
       !> Frequency of the largest ordinate, cycles per sample, and its number k: f = k/n
       real(dp) :: frequency = 0.0_dp
@@ -33,17 +30,7 @@ module gyroakf_stats_fisher
       integer(int64) :: ordinates = 0, samples = 0
    end type fisher_type
 
-   interface
-      !> ln(1 + x) of the C library, accurate for small x
-      pure function log1p(x) bind(c, name="log1p")
-         import :: c_double
-         implicit none (type, external)
-         real(c_double), intent(in), value :: x
-         real(c_double) :: log1p
-      end function log1p
-   end interface
-
-   !> From this expected number of larger ordinates on the sum would cancel: there p is 1 less their Poisson probability of none
+   !> The sum would cancel from this expected number of larger ordinates on: Poisson there
    real(dp), parameter :: poisson_from = 17.0_dp
    !> Samples less one between two reports of progress: a power of two less one
    integer(int64), parameter :: report_mask = 1048575_int64
@@ -54,11 +41,11 @@ contains
 
    !> Fisher's test of a series.
    !>
-   !> $$g = \max_k I_k / \sum_{k=1}^{m} I_k, \quad I_k = |\sum_t (x_t - \bar x) e^{-2\pi i kt/n}|^2, \quad
-   !> m = \lfloor (n-1)/2 \rfloor$$
-   !> at the exact length n, without zero padding, without frequency 0 and the highest. With missing samples the sums go over the
-   !> present ones: the ordinates of white noise are then as large everywhere but a little correlated, and p is approximate.
-   !> Source: R. A. Fisher, Tests of significance in harmonic analysis, Proc. R. Soc. A 125 (1929) 54-59.
+   !> $$g = \max_k I_k / \sum_{k=1}^{m} I_k, \quad I_k = |\sum_t (x_t - \bar x) e^{-2\pi i kt/n}|^2,
+   !> \quad m = \lfloor (n-1)/2 \rfloor$$ at the exact length n, without zero padding, without
+   !> frequency 0 and the highest. With missing samples the sums go over the present ones: the
+   !> ordinates of white noise are then a little correlated, and p is approximate. Source: R. A.
+   !> Fisher, Tests of significance in harmonic analysis, Proc. R. Soc. A 125 (1929) 54-59.
    subroutine test_fisher_g(x, result, error, valid, progress)
       !> Series: [n], n >= 3; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -80,26 +67,21 @@ contains
       call centre_and_scale(x, centred, error, valid, progress)
       if (allocated(error)) return
       allocate (spectrum(0:n/2), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the spectrum of the series")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the spectrum of the series")
+      if (allocated(error)) return
       call new_real_fft_plan(plan, n, error, progress)
       if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error, progress)
       if (.not. allocated(error)) call report_progress("Fourier transform", n, n, error, progress)
       if (.not. allocated(error)) call fisher_of_spectrum(spectrum, n, result, error)
    end subroutine test_fisher_g
 
-   !> The present samples less their mean, times the power of two that brings the largest to 1/2 .. 1; 0 where missing.
+   !> Samples less their mean, times a power of two: the largest is 1/2 .. 1; 0 where missing.
    subroutine centre_and_scale(x, centred, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
-      !> [0:n-1]
       real(dp), allocatable, intent(out) :: centred(:)
-      !> too_few_samples, constant_input, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: lowest, highest, step, mean
       integer(int64) :: n, i, number
@@ -115,19 +97,19 @@ contains
          call fatal_error(error, status%too_few_samples, trim(text))
          return
       else if (.not. highest > lowest) then
-         call fatal_error(error, status%constant_input, "the series is constant, there is nothing periodic in it")
+         call fatal_error(error, status%constant_input, &
+            & "the series is constant, there is nothing periodic in it")
          return
       end if
       allocate (centred(0:n - 1), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a copy of the series")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a copy of the series")
+      if (allocated(error)) return
       size_of_all = exponent(max(abs(lowest), abs(highest)))
       lowest = scale(lowest, -size_of_all)
       power = exponent(scale(highest, -size_of_all) - lowest)
       do i = 0, n - 1
-         if (iand(i, report_mask) == 0) call report_progress("Fourier transform", 0_int64, n, error, progress)
+         if (iand(i, report_mask) == 0) call report_progress("Fourier transform", 0_int64, n, &
+            & error, progress)
          if (allocated(error)) return
          centred(i) = 0.0_dp
          if (present(valid)) then
@@ -151,13 +133,9 @@ contains
 
    !> Fisher's test from the Fourier transform of the series.
    subroutine fisher_of_spectrum(spectrum, n, result, error)
-      !> Fourier transform of n real samples: [0:n/2]
       complex(dp), intent(in), contiguous :: spectrum(0:)
-      !> Number of samples, >= 3
       integer(int64), intent(in) :: n
-      !> The test
       type(fisher_type), intent(out) :: result
-      !> constant_input: all ordinates are 0
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: largest, total, rest, power
       integer(int64) :: k
@@ -165,7 +143,7 @@ contains
       result%samples = n
       result%ordinates = (n - 1)/2
       largest = -1.0_dp
-      rest = 0.0_dp                                ! of all but the largest: 1 - g without cancellation
+      rest = 0.0_dp                      ! of all but the largest: 1 - g without cancellation
       do k = 1, result%ordinates
          power = squared_modulus(spectrum(k))
          if (power > largest) then
@@ -177,10 +155,9 @@ contains
          end if
       end do
       total = rest + largest
-      if (.not. total > 0.0_dp) then
-         call fatal_error(error, status%constant_input, "the series has no power between frequency 0 and the highest")
-         return
-      end if
+      if (.not. total > 0.0_dp) call fatal_error(error, status%constant_input, &
+         & "the series has no power between frequency 0 and the highest")
+      if (allocated(error)) return
       result%statistic = largest/total
       power = 0.0_dp
       k = result%ordinate
@@ -188,7 +165,8 @@ contains
       if (k < result%ordinates) power = max(power, squared_modulus(spectrum(k + 1)))
       result%peak = (largest + power)/total
       result%frequency = real(result%ordinate, dp)/real(n, dp)
-      call fisher_tail(result%statistic, rest/total, result%ordinates, result%p_value, result%log_p_value)
+      call fisher_tail(result%statistic, rest/total, result%ordinates, result%p_value, &
+         & result%log_p_value)
    end subroutine fisher_of_spectrum
 
    pure real(dp) function squared_modulus(z)
@@ -199,9 +177,9 @@ contains
 
    !> Probability of a larger g among m ordinates of white noise.
    !>
-   !> $$p = \sum_{j=1}^{\lfloor 1/g \rfloor} (-1)^{j-1} \binom{m}{j} (1 - jg)^{m-1},$$
-   !> by the ratio of successive terms; where the first term, the expected number of larger ordinates, is above 17, p is
-   !> 1 - exp(-that), right to 1e-7. Else the error relative to p is that of rounding g, about m g/(1 - g) epsilon.
+   !> $$p = \sum_{j=1}^{\lfloor 1/g \rfloor} (-1)^{j-1} \binom{m}{j} (1 - jg)^{m-1},$$ by the ratio
+   !> of successive terms; where the first term, the expected number of larger ordinates, is above
+   !> 17, p is 1 - exp(-that), right to 1e-7. Else the relative error is about m g/(1 - g) epsilon.
    pure subroutine fisher_tail(g, rest, m, p, log_p)
       !> Share of the largest ordinate, 1/m .. 1, and 1 - g, given apart to keep its digits
       real(dp), intent(in) :: g, rest
@@ -220,7 +198,12 @@ contains
       p = 0.0_dp
       log_p = -huge(log_p)
       if (.not. rest > 0.0_dp) return
-      log_p = log(real(m, dp)) + real(m - 1, dp)*log_of(g, rest)
+      if (g < 0.5_dp) then                         ! ln(1 - g) from what has the digits
+         log_p = log1p(-g)
+      else
+         log_p = log(rest)
+      end if
+      log_p = log(real(m, dp)) + real(m - 1, dp)*log_p
       if (log_p < least_exponent) return
       expected = exp(log_p)
       if (expected > poisson_from) then
@@ -234,23 +217,13 @@ contains
          p = p + term
          left = left - g
          if (.not. left > 0.0_dp) exit
-         term = -term*(real(m - j, dp)/real(j + 1, dp))*exp(real(m - 1, dp)*log1p(max(-g/(left + g), epsilon(g) - 1.0_dp)))
+         term = -term*(real(m - j, dp)/real(j + 1, dp)) &
+            & *exp(real(m - 1, dp)*log1p(max(-g/(left + g), epsilon(g) - 1.0_dp)))
          if (abs(term) < 1.0e-18_dp*abs(p)) exit
       end do
       p = min(max(p, 0.0_dp), 1.0_dp)
       log_p = -huge(log_p)
       if (p > 0.0_dp) log_p = log(p)
    end subroutine fisher_tail
-
-   !> ln(1 - g) from whichever of g and 1 - g has the digits.
-   pure real(dp) function log_of(g, rest)
-      real(dp), intent(in) :: g, rest
-
-      if (g < 0.5_dp) then
-         log_of = log1p(-g)
-      else
-         log_of = log(rest)
-      end if
-   end function log_of
 
 end module gyroakf_stats_fisher

@@ -1,23 +1,23 @@
 ! SPDX-License-Identifier: MIT
-!> Gram matrix of a regression on lags from one pass over the series: of a Dickey-Fuller regression,
-!> or of an AR model by least squares.
+!> Gram matrix of a regression on lags (Dickey-Fuller, AR by least squares) from one pass.
 !>
-!> The regression of d_t = y_t - y_(t-1) on powers of the time, the level y_(t-1) and d_(t-1) .. d_(t-p)
-!> (AR: of d_t = y_t on a constant and d_(t-1) .. d_(t-p)) needs (p + 4)^2/2 sums over the rows.
-!> Only C(0,j) = sum d_t d_(t-j) and a dozen more touch the data; with a .. b the rows of a stretch
-!> without gaps the others follow exactly from its ends:
-!> $$C_{i+1,j+1} = C_{ij} + d_{a-1-i} d_{a-1-j} - d_{b-i} d_{b-j}$$
-!> $$\sum y_{t-1} d_{t-1-j} = \sum y_{t-1} d_{t-j} + C_{0j} + y_{a-1} d_{a-1-j} - y_b d_{b-j}$$
-!> and the sums with powers of the time likewise. Time O(n p), memory O(p^2). y is the series less its
-!> trend: the statistic does not feel that, but without it an offset would cost all digits. With fewer lags there are more rows:
-!> they are added one by one at the beginning of every stretch, without another pass.
+!> The regression of d_t = y_t - y_(t-1) on powers of the time, the level y_(t-1) and d_(t-1) ..
+!> d_(t-p) (AR: of d_t = y_t on a constant and d_(t-1) .. d_(t-p)) needs (p + 4)^2/2 sums over the
+!> rows. Only C(0,j) = sum d_t d_(t-j) and a dozen more touch the data; with a .. b the rows of a
+!> stretch without gaps the others follow exactly from its ends: $$C_{i+1,j+1} = C_{ij} + d_{a-1-i}
+!> d_{a-1-j} - d_{b-i} d_{b-j}$$ $$\sum y_{t-1} d_{t-1-j} = \sum y_{t-1} d_{t-j} + C_{0j} + y_{a-1}
+!> d_{a-1-j} - y_b d_{b-j}$$ and the sums with powers of the time likewise. Time O(n p), memory
+!> O(p^2). y is the series less its trend: the statistic does not feel that, but without it an
+!> offset would cost all digits. With fewer lags there are more rows: they are added one by one at
+!> the beginning of every stretch, without another pass.
 module gyroakf_stats_lagged_gram
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_trend, only : trend_type, subtract_trend
    use gyroakf_stats_autocovariance, only : autocovariance_type
-   use gyroakf_stats_lagged_rows, only : row_sums_type, sum_rows, time_of, level2, level_d, time0, time_level, time_d
+   use gyroakf_stats_lagged_rows, only : sum_rows, sums, time_of, level2, level_d, time0, &
+      & time_level, time_d
    implicit none (type, external)
    private
    public :: gram_type, build_gram, shorten_gram
@@ -30,8 +30,7 @@ module gyroakf_stats_lagged_gram
       integer :: levels = 1
       !> Rows: t for which y_t .. y_(t-lags-levels) are present
       integer(int64) :: rows = 0
-      !> Powers of the time, level, lags 1 .. lags, d_t: [terms + levels + lags + 1, same]; upper
-      !> triangle
+      !> Powers of the time, level, lags 1 .. lags, d_t; upper triangle
       real(dp), allocatable :: matrix(:, :)
    end type gram_type
 
@@ -60,33 +59,40 @@ contains
       type(autocovariance_type), intent(inout), optional :: shared
       !> Progress callback
       class(progress_type), intent(inout), optional :: progress
-      type(row_sums_type) :: s
-      real(dp) :: first_row(0:lags, 0:4)
-      integer :: k, stat
+      real(dp) :: first_row(0:lags, 0:4), other(sums)
 
-      k = terms + levels + lags + 1
       gram%terms = terms
       gram%levels = levels
-      gram%lags = lags
-      allocate (gram%matrix(k, k), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
-         return
-      end if
-      call sum_rows(x, trend, terms, lags, lags + levels, s, error, valid, shared, progress)
+      call new_matrix(lags, gram, error)
+      if (.not. allocated(error)) call sum_rows(x, trend, terms, lags, lags + levels, &
+         & first_row(:, 0), other, error, valid, shared, progress)
       if (allocated(error)) return
-      gram%matrix = 0.0_dp
-      gram%rows = nint(s%other(time0), int64)
-      first_row = 0.0_dp
-      first_row(:, 0) = s%lagged
-      first_row(0, 1) = s%other(level_d)
-      first_row(0, 2:4) = s%other(time_d:time_d + 2)
+      gram%rows = nint(other(time0), int64)
+      first_row(:, 1:) = 0.0_dp
+      first_row(0, 1) = other(level_d)
+      first_row(0, 2:4) = other(time_d:time_d + 2)
       call extend(x, trend, gram, first_row, error, valid, progress)
-      if (allocated(error)) return
-      call fill(gram, first_row, s%other)
+      if (.not. allocated(error)) call fill(gram, first_row, other)
    end subroutine build_gram
 
-   !> The matrix with fewer lags from that with more: its rows are those and the first ones of every stretch.
+   subroutine new_matrix(lags, gram, error)
+      integer, intent(in) :: lags
+      !> Its terms and levels are set
+      type(gram_type), intent(inout) :: gram
+      type(error_type), allocatable, intent(out) :: error
+      integer :: k, stat
+
+      gram%lags = lags
+      k = gram%terms + gram%levels + lags + 1
+      allocate (gram%matrix(k, k), stat=stat)
+      if (stat == 0) then
+         gram%matrix = 0.0_dp
+      else
+         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
+      end if
+   end subroutine new_matrix
+
+   !> The matrix with fewer lags: it has also the first rows of every stretch.
    subroutine shorten_gram(x, trend, lags, gram, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
@@ -105,30 +111,31 @@ contains
       type(gram_type) :: longer
       integer(int64) :: n, begin, finish
       real(dp) :: work
-      integer :: k, stat
+      integer :: k, last
 
       if (lags == gram%lags) return
       n = size(x, kind=int64)
       k = gram%terms + gram%levels + lags + 1
-      work = 0.5_dp*real(gram%lags - lags, dp)*real(k, dp)*real(k, dp)
-      if (present(valid)) work = work*real(count_runs(valid), dp)
+      work = 0.0_dp
+      finish = -1
+      do
+         call next_run(n, begin, finish, valid)
+         if (begin >= n) exit
+         work = work + 0.5_dp*real(gram%lags - lags, dp)*real(k, dp)*real(k, dp)
+      end do
       longer = gram_type(gram%terms, gram%lags, gram%levels)
       call move_alloc(gram%matrix, longer%matrix)
-      if (work > real(n, dp)*real(k + 16, dp)) then                   ! many gaps: another pass is quicker
+      if (work > real(n, dp)*real(k + 16, dp)) then           ! many gaps: another pass is quicker
          call build_gram(x, trend, longer%terms, longer%levels, lags, gram, error, valid, &
             & progress=progress)
          return
       end if
-      allocate (gram%matrix(k, k), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
-         return
-      end if
+      call new_matrix(lags, gram, error)
+      if (allocated(error)) return
+      last = size(longer%matrix, 1)
       gram%matrix(:k - 1, :k - 1) = longer%matrix(:k - 1, :k - 1)
-      gram%matrix(:k - 1, k) = longer%matrix(:k - 1, size(longer%matrix, 2))
-      gram%matrix(k, :) = 0.0_dp
-      gram%matrix(k, k) = longer%matrix(size(longer%matrix, 1), size(longer%matrix, 2))
-      gram%lags = lags
+      gram%matrix(:k - 1, k) = longer%matrix(:k - 1, last)
+      gram%matrix(k, k) = longer%matrix(last, last)
       finish = -1
       do
          call next_run(n, begin, finish, valid)
@@ -137,30 +144,12 @@ contains
       end do
    end subroutine shorten_gram
 
-   !> Number of stretches without gaps.
-   pure integer(int64) function count_runs(valid)
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in) :: valid(:)
-      integer(int64) :: i
-
-      count_runs = 0
-      do i = 2, size(valid, kind=int64)
-         if (valid(i) /= 0_int8 .and. valid(i - 1) == 0_int8) count_runs = count_runs + 1
-      end do
-      if (size(valid, kind=int64) > 0) then
-         if (valid(1) /= 0_int8) count_runs = count_runs + 1
-      end if
-   end function count_runs
-
    !> Adds the products of the rows begin + lags + 1 .. finish, one after the other.
    subroutine add_rows(x, trend, begin, finish, gram)
-      !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from it
       type(trend_type), intent(in) :: trend
       !> 0-based; all samples from begin to finish are present
       integer(int64), intent(in) :: begin, finish
-      !> The matrix
       type(gram_type), intent(inout) :: gram
       real(dp) :: y(0:finish - begin), row(size(gram%matrix, 1)), differ
       integer :: t, j, k
@@ -186,19 +175,14 @@ contains
 
    !> Extends the sums of lag 0 to all lags by the ends of every stretch without gaps.
    subroutine extend(x, trend, gram, first_row, error, valid, progress)
-      !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from it
       type(trend_type), intent(in) :: trend
       !> Its matrix gets the corrections of sum d_(t-i) d_(t-j), in the place of lag i+1, j+1
       type(gram_type), intent(inout) :: gram
-      !> Columns: sum d_t d_(t-j), y_(t-1) d_(t-j), time^k d_(t-j), k = 0 .. 2; j = 0 known in all: [0:lags, 0:4]
+      !> sum d_t d_(t-j), y_(t-1) d_(t-j), time^k d_(t-j), k = 0 .. 2; j = 0 known: [0:lags, 0:4]
       real(dp), intent(inout) :: first_row(0:, 0:)
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: edge(0:gram%lags, 4), delta
       integer(int64) :: n, begin, finish, stretch
@@ -213,7 +197,8 @@ contains
       stretch = 0
       do
          stretch = stretch + 1
-         if (mod(stretch, report_stretches) == 0) call report_progress(trim(stage), finish, n, error, progress)
+         if (mod(stretch, report_stretches) == 0) call report_progress(trim(stage), finish, n, &
+            & error, progress)
          if (allocated(error)) return
          call next_run(n, begin, finish, valid)
          if (begin >= n) exit
@@ -224,19 +209,18 @@ contains
          first_row(j + 1, 1) = first_row(j, 1) + first_row(j, 0) + edge(j, 1)
          first_row(j + 1, 2) = first_row(j, 2) + edge(j, 2)
          first_row(j + 1, 3) = first_row(j, 3) + delta*first_row(j, 2) + edge(j, 3)
-         first_row(j + 1, 4) = first_row(j, 4) + delta*(2.0_dp*first_row(j, 3) + delta*first_row(j, 2)) + edge(j, 4)
+         first_row(j + 1, 4) = first_row(j, 4) &
+            & + delta*(2.0_dp*first_row(j, 3) + delta*first_row(j, 2)) + edge(j, 4)
       end do
    end subroutine extend
 
    !> The next stretch of present samples.
    pure subroutine next_run(n, begin, finish, valid)
-      !> Length of the series
       integer(int64), intent(in) :: n
       !> 0-based: its first sample, n where there is none
       integer(int64), intent(out) :: begin
       !> Last sample of the stretch before, -1 at first; then of this one
       integer(int64), intent(inout) :: finish
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
 
       begin = finish + 1
@@ -255,20 +239,17 @@ contains
 
    !> Adds the ends of a stretch.
    pure subroutine add_ends(x, trend, begin, finish, edge, gram)
-      !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from it
       type(trend_type), intent(in) :: trend
       !> 0-based first and last sample of the stretch; its rows are begin + lags + levels .. finish
       integer(int64), intent(in) :: begin, finish
       !> Corrections of the sums with y_(t-1) and with the powers of the time
       real(dp), intent(inout) :: edge(0:, :)
-      !> Its matrix gets the corrections of sum d_(t-i) d_(t-j)
       type(gram_type), intent(inout) :: gram
       real(dp), dimension(0:gram%lags + 1) :: head, tail
       real(dp), dimension(0:max(gram%lags - 1, 0)) :: d0, d1
       real(dp) :: t0, t1, differ
-      integer :: i, j, lags, reach, base
+      integer :: j, lags, reach, base
 
       lags = gram%lags
       if (lags < 1) return
@@ -286,53 +267,40 @@ contains
       t0 = time_of(begin + reach, size(x, kind=int64))
       t1 = time_of(finish + 1, size(x, kind=int64))
       do j = 0, lags - 1
-         edge(j, 1) = edge(j, 1) + head(reach - 1)*d0(j) - tail(reach)*d1(j)
-         edge(j, 2) = edge(j, 2) + d0(j) - d1(j)
-         edge(j, 3) = edge(j, 3) + t0*d0(j) - t1*d1(j)
-         edge(j, 4) = edge(j, 4) + t0*t0*d0(j) - t1*t1*d1(j)
-         do i = 0, j
-            gram%matrix(base + 1 + i, base + 1 + j) = gram%matrix(base + 1 + i, base + 1 + j) &
-               & + (d0(i)*d0(j) - d1(i)*d1(j))
-         end do
+         edge(j, :) = edge(j, :) + [head(reach - 1), 1.0_dp, t0, t0*t0]*d0(j) &
+            & - [tail(reach), 1.0_dp, t1, t1*t1]*d1(j)
+         associate (column => gram%matrix(base + 1:base + 1 + j, base + 1 + j))
+            column = column + (d0(:j)*d0(j) - d1(:j)*d1(j))
+         end associate
       end do
    end subroutine add_ends
 
    !> Puts the sums in their places.
    subroutine fill(gram, first_row, s)
-      !> The matrix; it holds the corrections of the lags
+      !> Its matrix holds the corrections of the lags
       type(gram_type), intent(inout) :: gram
-      !> Columns: sum d_t d_(t-j), y_(t-1) d_(t-j), time^k d_(t-j): [0:lags, 0:4]
-      real(dp), intent(in) :: first_row(0:, 0:)
-      !> The other sums
-      real(dp), intent(in) :: s(:)
-      integer :: i, j, level, base, last, p
+      real(dp), intent(in) :: first_row(0:, 0:), s(:)
+      integer :: j, level, base, last
 
-      p = gram%lags
       level = gram%terms + 1
       base = gram%terms + gram%levels
-      last = base + p + 1
+      last = base + gram%lags + 1
       do j = 1, gram%terms
-         do i = 1, j
-            gram%matrix(i, j) = s(time0 + i + j - 2)
-         end do
-         gram%matrix(j, base + 1:base + p) = first_row(1:p, j + 1)
-         gram%matrix(j, last) = first_row(0, j + 1)
+         gram%matrix(:j, j) = s(time0 + j - 1:time0 + 2*(j - 1))
+         gram%matrix(j, base + 1:) = cshift(first_row(:, j + 1), 1)
       end do
       if (gram%levels > 0) then
          gram%matrix(:gram%terms, level) = s(time_level:time_level + gram%terms - 1)
          gram%matrix(level, level) = s(level2)
-         gram%matrix(level, base + 1:base + p) = first_row(1:p, 1)
-         gram%matrix(level, last) = first_row(0, 1)
+         gram%matrix(level, base + 1:) = cshift(first_row(:, 1), 1)
       end if
-      do j = 1, p
-         gram%matrix(base + 1, base + j) = gram%matrix(base + 1, base + j) + first_row(j - 1, 0)
-         do i = 2, j
-            gram%matrix(base + i, base + j) = gram%matrix(base + i, base + j) &
-               & + gram%matrix(base + i - 1, base + j - 1)
-         end do
-         gram%matrix(base + j, last) = first_row(j, 0)
+      do j = 1, gram%lags
+         associate (column => gram%matrix(base + 1:base + j, base + j))
+            column(1) = column(1) + first_row(j - 1, 0)
+            column(2:) = column(2:) + gram%matrix(base + 1:base + j - 1, base + j - 1)
+         end associate
       end do
-      gram%matrix(last, last) = first_row(0, 0)
+      gram%matrix(base + 1:, last) = cshift(first_row(:, 0), 1)
    end subroutine fill
 
 end module gyroakf_stats_lagged_gram

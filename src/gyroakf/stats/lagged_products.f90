@@ -1,10 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Sums of lagged products of one block: the kernel under every autocovariance and under the Dickey-Fuller test.
+!> What every autocovariance is made of: sums of lagged products of one block; stretches of a series
+!> less its trend, and the residuals that an AR model leaves of them. A stretch may begin before the
+!> series and end behind it; what is not there is 0.
 module gyroakf_stats_lagged_products
-   use gyroakf_kinds, only : dp
+   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_stats_trend, only : trend_type, subtract_trend
    implicit none (type, external)
    private
-   public :: add_lagged_products
+   public :: add_lagged_products, detrended_block, residual_block
 
 contains
 
@@ -46,5 +49,83 @@ contains
          s(k) = s(k) + s0
       end do
    end subroutine add_lagged_products
+
+   !> Samples of a stretch less the trend; 0 where one is missing.
+   pure subroutine detrended_block(x, trend, first, y, flag, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted from it
+      type(trend_type), intent(in) :: trend
+      !> Place of the first sample, 1-based
+      integer(int64), intent(in) :: first
+      !> Samples, 1 where there is one and 0 elsewhere: [m]
+      real(dp), intent(out), contiguous :: y(:), flag(:)
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      integer(int64) :: from, to, i
+
+      from = min(max(first, 1_int64), first + size(y))
+      to = max(min(first + size(y) - 1, size(x, kind=int64)), from - 1)
+      y(:from - first) = 0.0_dp
+      flag(:from - first) = 0.0_dp
+      do i = from, to
+         y(i - first + 1) = x(i)
+         flag(i - first + 1) = 1.0_dp
+      end do
+      y(to - first + 2:) = 0.0_dp
+      flag(to - first + 2:) = 0.0_dp
+      call subtract_trend(trend, from - 1, y(from - first + 1:to - first + 1))
+      if (.not. present(valid)) return
+      do i = from, to
+         flag(i - first + 1) = merge(1.0_dp, 0.0_dp, valid(i) /= 0_int8)
+         y(i - first + 1) = merge(y(i - first + 1), 0.0_dp, valid(i) /= 0_int8)
+      end do
+   end subroutine detrended_block
+
+   !> Residuals of a stretch; 0 where there is none.
+   !>
+   !> $$e_t = y_t - c - \sum_j \phi_j y_{t-j}$$ for the t whose p predecessors exist and are
+   !> present, y the series less its trend.
+   subroutine residual_block(x, trend, phi, constant, first, e, flag, stat, valid)
+      !> Series: [n]
+      real(dp), intent(in), contiguous :: x(:)
+      !> Subtracted from it
+      type(trend_type), intent(in) :: trend
+      !> Coefficients phi: [p]; constant c
+      real(dp), intent(in) :: phi(:), constant
+      !> Place of the first one, 1-based
+      integer(int64), intent(in) :: first
+      !> Residuals, 1 where there is one and 0 elsewhere: [m]
+      real(dp), intent(out), contiguous :: e(:), flag(:)
+      !> Not 0 where memory is short
+      integer, intent(out) :: stat
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: y(:), here(:)
+      integer :: i, j, m, p, run
+
+      m = size(e)
+      p = size(phi)
+      allocate (y(1 - p:m), stat=stat)
+      if (stat == 0) allocate (here(1 - p:m), stat=stat)
+      if (stat /= 0) return
+      call detrended_block(x, trend, first - p, y, here, valid)
+      e(:) = y(1:m) - constant
+      do j = 1, p
+         do i = 1, m
+            e(i) = e(i) - phi(j)*y(i - j)
+         end do
+      end do
+      flag = 1.0_dp
+      if (.not. present(valid) .and. first > p) return
+      run = 0
+      do i = 1 - p, m
+         run = run + 1
+         if (here(i) < 0.5_dp) run = 0
+         if (i < 1) cycle
+         flag(i) = merge(1.0_dp, 0.0_dp, run > p)
+         e(i) = e(i)*flag(i)
+      end do
+   end subroutine residual_block
 
 end module gyroakf_stats_lagged_products

@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The pass over the series that a regression on lags takes: every sum over its rows that touches
-!> the data.
+!> The pass over the series of a regression on lags: every sum that touches the data.
 !>
 !> The rows of a Dickey-Fuller regression hold differences of the series, and its level before;
 !> those of an AR regression the series itself. On the way the pass makes the autocovariances that
@@ -12,31 +11,21 @@ module gyroakf_stats_lagged_rows
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_trend, only : trend_type, set_level
-   use gyroakf_stats_residual_block, only : detrended_block
-   use gyroakf_stats_lagged_products, only : add_lagged_products
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block
    use gyroakf_stats_autocovariance, only : autocovariance_type, add_lag_block, close_autocovariance
    implicit none (type, external)
    private
-   public :: row_sums_type, sum_rows, time_of, level2, level_d, time0, time_level, time_d
+   public :: sum_rows, sums, time_of, level2, level_d, time0, time_level, time_d
 
-   !> Places of the sums that are not lagged products: squares of the level, level times difference, powers 0 .. 4 of the
-   !> time, powers 0 .. 2 times level, powers 0 .. 2 times difference
+   !> Places of the sums that are not lagged products: squares of the level, level times difference,
+   !> powers 0 .. 4 of the time, powers 0 .. 2 times level, powers 0 .. 2 times difference
    integer, parameter :: level2 = 1, level_d = 2, time0 = 3, time_level = 8, time_d = 11, sums = 13
-
-   !> Sums over the rows of a regression
-   type :: row_sums_type
-      !> sum d_t d_(t-j), d the difference or the series itself: [0:lags]
-      real(dp), allocatable :: lagged(:)
-      !> The others, by place
-      real(dp) :: other(sums) = 0.0_dp
-   end type row_sums_type
 
    !> What is summed: the sums of the rows, lagged ones first, then those of the autocovariances
    type, extends(chunk_sums_type) :: row_pass_type
       !> Subtracted from the series for the rows, and for the autocovariances
       type(trend_type) :: trend, level
-      !> Powers of the time, lags, past samples that a row takes, largest lag of the autocovariances
-      !> or -1
+      !> Powers of the time, lags, past samples of a row, largest lag of autocovariances or -1
       integer :: terms = 0, lags = 0, reach = 0, max_lag = -1
    contains
       procedure :: add => add_rows
@@ -47,22 +36,21 @@ module gyroakf_stats_lagged_rows
       !> Series less trend and its presence: [-lags:length]; differences: [1-lags:length]
       real(dp), allocatable :: y(:), here(:), d(:)
       !> Difference, level before it and weight (1 or 0) of every row: [length]
-      real(dp), allocatable :: a(:), level(:), weight(:)
+      real(dp), dimension(block_length) :: a, level, weight
    end type block_type
 
 contains
 
    !> Sums over the rows t for which y_t .. y_(t-reach) are present, y the series less its trend.
-   subroutine sum_rows(x, trend, terms, lags, reach, result, error, valid, shared, progress)
+   subroutine sum_rows(x, trend, terms, lags, reach, lagged, other, error, valid, shared, progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from it
       type(trend_type), intent(in) :: trend
-      !> Powers of the time, 0 .. 3; lags; past samples that a row takes: lags + 1 for differences,
-      !> lags for the series itself
+      !> Powers of the time, 0 .. 3; lags; past samples of a row: lags, + 1 for differences
       integer, intent(in) :: terms, lags, reach
-      !> The sums
-      type(row_sums_type), intent(out) :: result
+      !> sum d_t d_(t-j), d the difference or the series itself: [0:lags]; the other sums, by place
+      real(dp), intent(out) :: lagged(0:), other(sums)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
@@ -73,32 +61,30 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(row_pass_type) :: pass
       real(dp), allocatable :: total(:)
+      integer(int64) :: n
       integer :: stat
 
+      n = size(x, kind=int64)
       pass%trend = trend
       pass%terms = terms
       pass%lags = lags
       pass%reach = reach
       if (present(shared)) then
-         if (.not. allocated(shared%r) .and. int(shared%max_lag, int64) < size(x, kind=int64)) then
+         if (.not. allocated(shared%r) .and. int(shared%max_lag, int64) < n) then
             pass%max_lag = shared%max_lag
             call set_level(pass%level, shared%mean, shared%remainder)
          end if
       end if
       allocate (total(lags + 1 + sums + 2*(pass%max_lag + 1)), stat=stat)
-      if (stat == 0) allocate (result%lagged(0:lags), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
-         return
-      end if
-      call sum_chunks(pass, x, size(x, kind=int64), &
-         & trim(merge("unit-root test      ", "rows of the AR model", reach > lags)), &
-         & total, error, valid, progress)
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums of a regression on lags")
       if (allocated(error)) return
-      result%lagged = total(:lags + 1)
-      result%other = total(lags + 2:lags + 1 + sums)
-      if (pass%max_lag >= 0) call close_autocovariance(shared, size(x, kind=int64), &
-         & total(lags + 2 + sums:))
+      call sum_chunks(pass, x, n, trim(merge("unit-root test      ", "rows of the AR model", &
+         & reach > lags)), total, error, valid, progress)
+      if (allocated(error)) return
+      lagged = total(:lags + 1)
+      other = total(lags + 2:lags + 1 + sums)
+      if (pass%max_lag >= 0) call close_autocovariance(shared, n, total(lags + 2 + sums:))
    end subroutine sum_rows
 
    !> The sums of a chunk, block by block.
@@ -119,9 +105,6 @@ contains
       allocate (b%y(-self%lags:m), stat=stat)
       if (stat == 0) allocate (b%here(-self%lags:m), stat=stat)
       if (stat == 0) allocate (b%d(1 - self%lags:m), stat=stat)
-      if (stat == 0) allocate (b%a(m), stat=stat)
-      if (stat == 0) allocate (b%level(m), stat=stat)
-      if (stat == 0) allocate (b%weight(m), stat=stat)
       do begin = chunk_first(n, chunk), chunk_last(n, chunk), block_length
          if (stat /= 0) return
          m = int(min(block_length, chunk_last(n, chunk) - begin + 1))
@@ -137,7 +120,6 @@ contains
    pure subroutine load(pass, x, first, m, b, valid)
       type(row_pass_type), intent(in) :: pass
       real(dp), intent(in), contiguous :: x(:)
-      !> 1-based
       integer(int64), intent(in) :: first
       integer, intent(in) :: m
       type(block_type), intent(inout) :: b
@@ -171,15 +153,11 @@ contains
 
    !> Adds a block's sums of the level and of the powers of the time.
    pure subroutine add_others(b, terms, first, n, m, s)
-      !> The block
       type(block_type), intent(in) :: b
-      !> Powers of the time, rows
       integer, intent(in) :: terms, m
-      !> 0-based first row, length of the series
       integer(int64), intent(in) :: first, n
-      !> The sums
       real(dp), intent(inout) :: s(:)
-      real(dp) :: t, s1, s2, power(block_length)
+      real(dp) :: s1, s2, power(block_length)
       integer :: i, k
 
       s1 = 0.0_dp
@@ -199,8 +177,7 @@ contains
             s(time_d + k) = s(time_d + k) + dot_product(power(:m), b%a(:m))
          end if
          do i = 1, m
-            t = time_of(first + i - 1, n)
-            power(i) = power(i)*t
+            power(i) = power(i)*time_of(first + i - 1, n)
          end do
       end do
    end subroutine add_others

@@ -7,22 +7,21 @@ module gyroakf_stats_long_run
    use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_progress, only : progress_type
-   use gyroakf_stats_lagged_products, only : add_lagged_products
-   use gyroakf_stats_residual_block, only : detrended_block
+   use gyroakf_stats_lagged_products, only : add_lagged_products, detrended_block
    use gyroakf_stats_trend, only : trend_type
    implicit none (type, external)
    private
-   public :: cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, schwert_lags
+   public :: cumulative_type, sum_residuals, sum_bartlett, bartlett_variance, hobijn_lags, &
+      & schwert_lags
 
-   !> Sums of a stretch of residuals e_t and of their running sums S_t = e_1 + ... + e_t over the present t
+   !> Sums of residuals e_t and of their running sums S_t = e_1 + ... + e_t over the present t
    type :: cumulative_type
       !> Present residuals, their sum, sum of S_t, sum of S_t^2
       real(dp) :: count = 0.0_dp, total = 0.0_dp, running = 0.0_dp, squares = 0.0_dp
    end type cumulative_type
 
-   !> Lagged products of the residuals: [0:q]
+   !> Lagged products of the residuals of a trend: [0:q]
    type, extends(chunk_sums_type) :: product_sums_type
-      !> What they are residuals of
       type(trend_type) :: trend
       !> Cumulative sums of every chunk
       type(cumulative_type), allocatable :: part(:)
@@ -32,7 +31,6 @@ module gyroakf_stats_long_run
 
    !> Squares of the sums of windows
    type, extends(chunk_sums_type) :: window_sums_type
-      !> What they are residuals of
       type(trend_type) :: trend
       !> Members of a window
       integer(int64) :: width = 1
@@ -65,10 +63,9 @@ contains
 
       allocate (products(0:q), stat=stat)
       if (stat == 0) allocate (pass%part(chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the sums over residuals")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the sums over residuals")
+      if (allocated(error)) return
       pass%trend = trend
       call sum_chunks(pass, x, size(x, kind=int64), "sums of the residuals", products, error, &
          & valid, progress)
@@ -115,7 +112,8 @@ contains
       type(cumulative_type), intent(inout) :: sums
       type(cumulative_type), intent(in) :: next
 
-      sums%squares = sums%squares + (next%squares + sums%total*(2.0_dp*next%running + next%count*sums%total))
+      sums%squares = sums%squares &
+         & + (next%squares + sums%total*(2.0_dp*next%running + next%count*sums%total))
       sums%running = sums%running + (next%running + next%count*sums%total)
       sums%total = sums%total + next%total
       sums%count = sums%count + next%count
@@ -123,8 +121,9 @@ contains
 
    !> Sum of all products with Bartlett's weights, by windows.
    !>
-   !> $$\sum_{|i| \le l} \Big(1 - \frac{|i|}{l+1}\Big) \sum_t e_t e_{t-i} = \frac{1}{l+1} \sum_j \Big(\sum_{t=j-l}^{j} e_t\Big)^2$$
-   !> with e_t = 0 outside the series and where a residual is missing: one pass, O(n) for any l, never negative.
+   !> $$\sum_{|i| \le l} \Big(1 - \frac{|i|}{l+1}\Big) \sum_t e_t e_{t-i} = \frac{1}{l+1} \sum_j
+   !> \Big(\sum_{t=j-l}^{j} e_t\Big)^2$$ with e_t = 0 outside the series and where a residual
+   !> is missing: one pass, O(n) for any l, never negative.
    subroutine sum_bartlett(trend, x, lags, total, error, valid, progress)
       !> The fit
       type(trend_type), intent(in) :: trend
@@ -150,8 +149,7 @@ contains
       total = squares(1)/real(lags + 1, dp)
    end subroutine sum_bartlett
 
-   !> Squares of the sums of the windows whose last members are the places of a chunk, which may lie
-   !> behind the series.
+   !> Squares of the sums of the windows that end at the places of a chunk.
    subroutine add_windows(self, x, n, chunk, total, stat, valid)
       class(window_sums_type), intent(inout) :: self
       real(dp), intent(in), contiguous :: x(:)
@@ -205,9 +203,11 @@ contains
 
    !> Bandwidth of Hobijn, Franses and Ooms for Bartlett's weights.
    !>
-   !> $$l = \lfloor 1.1447 \big((s_1/s_0)^2 n\big)^{1/3} \rfloor, \quad s_0 = g_0 + 2\sum_{i\le q} g_i, \quad
+   !> $$l = \lfloor 1.1447 \big((s_1/s_0)^2 n\big)^{1/3} \rfloor, \quad s_0 = g_0 + 2\sum_{i\le q}
+   !> g_i, \quad
    !>   s_1 = 2\sum_{i\le q} i g_i$$
-   !> with q = floor(n^(2/9)); at most n - 1. Source: Stat. Neerl. 58 (2004) 483-502, after Newey & West (1994).
+   !> with q = floor(n^(2/9)); at most n - 1. Source: Stat. Neerl. 58 (2004) 483-502, after Newey &
+   !> West (1994).
    pure integer(int64) function hobijn_lags(products, n) result(lags)
       !> Sums of e_t e_(t-k): [0:q]
       real(dp), intent(in) :: products(0:)

@@ -13,31 +13,22 @@ module gyroakf_stats_moments
       integer(int64) :: count = 0
       !> Mean, u
       real(dp) :: mean = 0.0_dp
-      !> Variance with divisor count - 1, u^2; 0 below two samples
-      real(dp) :: variance = 0.0_dp
-      !> Its square root, u
-      real(dp) :: std = 0.0_dp
-      !> Smallest value, u
-      real(dp) :: minimum = 0.0_dp
-      !> Largest value, u
-      real(dp) :: maximum = 0.0_dp
+      !> Variance with divisor count - 1, u^2, and its square root, u; 0 below two samples
+      real(dp) :: variance = 0.0_dp, std = 0.0_dp
+      !> Extremes, u
+      real(dp) :: minimum = 0.0_dp, maximum = 0.0_dp
       !> Skewness m3/m2^(3/2), biased moments; 0 where the variance is no normal number
       real(dp) :: skewness = 0.0_dp
-      !> Kurtosis m4/m2^2, biased moments, 3 for a normal distribution; 0 where the variance is no normal number
+      !> Kurtosis m4/m2^2, biased, 3 for a normal distribution; 0 as the skewness
       real(dp) :: kurtosis = 0.0_dp
-      !> What the mean lost when it was rounded, u: a series less both in turn has the mean 0 whatever its offset
+      !> What the mean lost when it was rounded, u: the series less both in turn has the mean 0
       real(dp) :: remainder = 0.0_dp
    end type moments_type
 
-   !> Sums of powers of the deviations from the mean, these in a unit in which fourth powers neither overflow nor vanish
+   !> Sums of powers of the deviations from the mean, in a unit that keeps them in range
    type :: sums_type
-      real(dp) :: count = 0.0_dp
-      real(dp) :: mean = 0.0_dp
-      real(dp) :: m2 = 0.0_dp
-      real(dp) :: m3 = 0.0_dp
-      real(dp) :: m4 = 0.0_dp
-      real(dp) :: low = 0.0_dp
-      real(dp) :: high = 0.0_dp
+      real(dp) :: count = 0.0_dp, mean = 0.0_dp, m2 = 0.0_dp, m3 = 0.0_dp, m4 = 0.0_dp
+      real(dp) :: low = 0.0_dp, high = 0.0_dp
    end type sums_type
 
    !> Deviations between are their own unit: their fourth powers are numbers with all digits
@@ -47,10 +38,10 @@ contains
 
    !> Moments of the present samples.
    !>
-   !> Each block is reduced about its own mean while it is in the cache, then blocks are merged, all relative to the first present
-   !> sample, so that an offset costs no digits; a second pass is made only where fourth powers would overflow or vanish. Threaded;
-   !> the result does not depend on the threads.
-   !> Source: Pebay, Formulas for robust, one-pass parallel computation of covariances and
+   !> Each block is reduced about its own mean while it is in the cache, then blocks are merged, all
+   !> relative to the first present sample, so that an offset costs no digits; a second pass is made
+   !> only where fourth powers would overflow or vanish. Threaded; the result does not depend on the
+   !> threads. Source: Pebay, Formulas for robust, one-pass parallel computation of covariances and
    !> arbitrary-order statistical moments, Sandia report SAND2008-6212 (2008).
    subroutine compute_moments(x, moments, valid)
       !> Series: [n], n >= 0, finite; not modified
@@ -69,22 +60,19 @@ contains
       call finish(sums, shift, per_unit, moments)
    end subroutine compute_moments
 
-   !> Sums of a series in a unit; only the extremes are good where its spread is beyond `largest` in that unit.
+   !> Sums of a series in a unit; only the extremes are good where its spread is too large.
    subroutine sum_blocks(x, shift, per_unit, sums, valid)
-      !> Series: [n], n >= 0
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from every sample, u; units of the sums in u
       real(dp), intent(in) :: shift, per_unit
-      !> Of all blocks
       type(sums_type), intent(out) :: sums
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       type(sums_type) :: part(chunk_count(size(x, kind=int64))), block_sums
       integer(int64) :: n, first, last
       integer :: chunk
 
       n = size(x, kind=int64)
-      !$omp parallel do if (n >= threads_from) default(shared) private(first, last, block_sums) schedule(dynamic)
+      !$omp parallel do if (n >= threads_from) default(shared) private(first, last, block_sums) &
+      !$omp& schedule(dynamic)
       do chunk = 1, chunk_count(n)
          part(chunk) = sums_type()
          do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
@@ -105,9 +93,7 @@ contains
 
    !> Half the largest deviation from the shift, in the unit of the sums; 0 without samples.
    pure real(dp) function half_spread(sums, shift, per_unit) result(spread)
-      !> Their count and extremes
       type(sums_type), intent(in) :: sums
-      !> One of the samples, u; units of the sums in u
       real(dp), intent(in) :: shift, per_unit
       real(dp) :: half
 
@@ -118,7 +104,6 @@ contains
 
    !> 1 over the unit of deviations, a power of two; 1 wherever they need none.
    pure real(dp) function units_for(spread) result(per_unit)
-      !> The largest of them, or half of it, >= 0
       real(dp), intent(in) :: spread
 
       per_unit = 1.0_dp
@@ -162,9 +147,7 @@ contains
 
    !> The sums that moments come from.
    pure type(sums_type) function sums_of(moments, per_unit) result(s)
-      !> At least one sample
       type(moments_type), intent(in) :: moments
-      !> Units of the sums in u
       real(dp), intent(in) :: per_unit
       real(dp) :: m2
 
@@ -180,11 +163,9 @@ contains
 
    !> Moments from the sums.
    pure subroutine finish(s, shift, per_unit, moments)
-      !> Sums over the series less the shift
       type(sums_type), intent(in) :: s
       !> Subtracted from every sample before, u; units of the sums in u
       real(dp), intent(in) :: shift, per_unit
-      !> The moments
       type(moments_type), intent(out) :: moments
       real(dp) :: m2, mean
 
@@ -208,9 +189,7 @@ contains
 
    !> Sums of a block without gaps; only count and extremes where its spread is beyond `largest`.
    pure type(sums_type) function reduce(x, shift, per_unit) result(s)
-      !> Block: [n], n >= 1
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from every sample, u; units of the sums in u
       real(dp), intent(in) :: shift, per_unit
       real(dp) :: total, m1, m2, m3, m4, low, high, d, d2, centre, in_units
       integer :: i, n
@@ -247,11 +226,8 @@ contains
 
    !> Sums of a block with gaps.
    pure type(sums_type) function reduce_masked(x, shift, per_unit, valid) result(s)
-      !> Block: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Subtracted from every sample, u; units of the sums in u
       real(dp), intent(in) :: shift, per_unit
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in) :: valid(:)
       real(dp) :: packed(size(x))
       integer :: i, n
@@ -268,7 +244,6 @@ contains
 
    !> Moves sums from a centre near the mean to the mean.
    pure type(sums_type) function about_mean(n, centre, m1, m2, m3, m4, low, high) result(s)
-      !> Count, centre, sums of powers 1 to 4 about it, extremes
       real(dp), intent(in) :: n, centre, m1, m2, m3, m4, low, high
       real(dp) :: d
 
@@ -280,7 +255,6 @@ contains
 
    !> Sums of two parts together.
    pure type(sums_type) function merged(a, b) result(s)
-      !> Parts; one without samples changes nothing
       type(sums_type), intent(in) :: a, b
       real(dp) :: n, d, dn
 
@@ -294,9 +268,12 @@ contains
       s%count = n
       s%mean = a%mean + b%count*dn
       s%m2 = a%m2 + b%m2 + d*dn*a%count*b%count
-      s%m3 = a%m3 + b%m3 + d*dn*dn*a%count*b%count*(a%count - b%count) + 3.0_dp*dn*(a%count*b%m2 - b%count*a%m2)
-      s%m4 = a%m4 + b%m4 + d*dn*dn*dn*a%count*b%count*(a%count*a%count - a%count*b%count + b%count*b%count) &
-         & + 6.0_dp*dn*dn*(a%count*a%count*b%m2 + b%count*b%count*a%m2) + 4.0_dp*dn*(a%count*b%m3 - b%count*a%m3)
+      s%m3 = a%m3 + b%m3 + d*dn*dn*a%count*b%count*(a%count - b%count) &
+         & + 3.0_dp*dn*(a%count*b%m2 - b%count*a%m2)
+      s%m4 = a%m4 + b%m4 + d*dn*dn*dn*a%count*b%count*(a%count*a%count - a%count*b%count &
+         & + b%count*b%count) &
+         & + 6.0_dp*dn*dn*(a%count*a%count*b%m2 + b%count*b%count*a%m2) &
+         & + 4.0_dp*dn*(a%count*b%m3 - b%count*a%m3)
       s%low = min(a%low, b%low)
       s%high = max(a%high, b%high)
    end function merged

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Normality of a series from its moments: the Jarque-Bera test and the sizes of the effect.
 !>
-!> A long record of any sensor fails every test: the tests tell what is more than chance, skewness and excess kurtosis
-!> tell how much it is. [[judge_normality]] puts both together.
+!> A long record of any sensor fails every test: the tests tell what is more than chance, skewness
+!> and excess kurtosis tell how much it is. [[judge_normality]] puts both together.
 module gyroakf_stats_normality
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
@@ -13,7 +13,7 @@ module gyroakf_stats_normality
    public :: jarque_bera_type, test_jarque_bera
    public :: skewness_error, kurtosis_error, judge_normality
 
-   !> Below both, a departure from the normal distribution is small: the share beyond 3 sigma differs by half at most
+   !> Below both a departure is small: the share beyond 3 sigma differs by half at most
    real(dp), parameter :: negligible_skewness = 0.1_dp, negligible_kurtosis = 0.2_dp
 
    !> Result of the Jarque-Bera test
@@ -34,9 +34,9 @@ contains
 
    !> Jarque-Bera test from the moments of a series.
    !>
-   !> $$JB = \frac{n}{6}\Big(S^2 + \frac{(K-3)^2}{4}\Big), \quad p = e^{-JB/2}$$
-   !> p is exact for chi-square with 2 degrees of freedom; JB has that distribution for large n. With 1e6
-   !> samples every real sensor fails: look at skewness and kurtosis. The samples are taken as
+   !> $$JB = \frac{n}{6}\Big(S^2 + \frac{(K-3)^2}{4}\Big), \quad p = e^{-JB/2}$$ p is exact for
+   !> chi-square with 2 degrees of freedom; JB has that distribution for large n. With 1e6 samples
+   !> every real sensor fails: look at skewness and kurtosis. The samples are taken as
    !> independent. Source: Jarque & Bera, Int. Stat. Rev. 55 (1987) 163-172.
    subroutine test_jarque_bera(moments, result, error)
       !> Moments of at least two samples, with variance
@@ -46,32 +46,25 @@ contains
       !> too_few_samples (fewer than 2), constant_input, non_finite
       type(error_type), allocatable, intent(out) :: error
 
-      call check_moments(moments, error)
+      if (moments%count < 2) then
+         call fatal_error(error, status%too_few_samples, &
+            & "the Jarque-Bera test needs at least 2 samples")
+      else if (.not. all(ieee_is_finite( &
+         & [moments%variance, moments%skewness, moments%kurtosis]))) then
+         call fatal_error(error, status%non_finite, "the moments of the series are not finite")
+      else if (moments%kurtosis <= 0.0_dp) then
+         call fatal_error(error, status%constant_input, &
+            & "the series has no variance, normality cannot be tested")
+      end if
       if (allocated(error)) return
       result%skewness = moments%skewness
       result%kurtosis = moments%kurtosis
       result%skewness_error = skewness_error(moments%count)
       result%kurtosis_error = kurtosis_error(moments%count)
-      result%statistic = real(moments%count, dp)/6.0_dp*(moments%skewness**2 + 0.25_dp*(moments%kurtosis - 3.0_dp)**2)
+      result%statistic = real(moments%count, dp)/6.0_dp &
+         & *(moments%skewness**2 + 0.25_dp*(moments%kurtosis - 3.0_dp)**2)
       result%p_value = exp(-0.5_dp*result%statistic)
    end subroutine test_jarque_bera
-
-   !> Refuses moments that cannot be tested.
-   subroutine check_moments(moments, error)
-      type(moments_type), intent(in) :: moments
-      !> too_few_samples, constant_input, non_finite
-      type(error_type), allocatable, intent(out) :: error
-
-      if (moments%count < 2) then
-         call fatal_error(error, status%too_few_samples, &
-                          "the Jarque-Bera test needs at least 2 samples")
-      else if (.not. (ieee_is_finite(moments%variance) .and. ieee_is_finite(moments%skewness) .and. &
-                      ieee_is_finite(moments%kurtosis))) then
-         call fatal_error(error, status%non_finite, "the moments of the series are not finite")
-      else if (moments%kurtosis <= 0.0_dp) then
-         call fatal_error(error, status%constant_input, "the series has no variance, normality cannot be tested")
-      end if
-   end subroutine check_moments
 
    !> Standard deviation of the skewness of n independent normal samples.
    !>
@@ -94,7 +87,8 @@ contains
       real(dp) :: m
 
       m = real(max(n, 3_int64), dp)
-      kurtosis_error = sqrt(24.0_dp*(m/(m + 1.0_dp))*((m - 2.0_dp)/(m + 1.0_dp))*((m - 3.0_dp)/(m + 3.0_dp))/(m + 5.0_dp))
+      kurtosis_error = sqrt(24.0_dp*(m/(m + 1.0_dp))*((m - 2.0_dp)/(m + 1.0_dp))*((m - 3.0_dp)/(m &
+         & + 3.0_dp))/(m + 5.0_dp))
    end function kurtosis_error
 
    !> The verdict in a word, from the sizes of the effect with a p-value beside them.
@@ -102,7 +96,7 @@ contains
    !> | word | significant at 5 % | skewness and excess kurtosis |
    !> |---|---|---|
    !> | `normal` | no | both within the limits |
-   !> | `nearly` | yes | both within the limits 0.1 and 0.2: a small departure, seen because the record is long |
+   !> | `nearly` | yes | both within the limits 0.1 and 0.2: the record is long |
    !> | `undecided` | no | beyond: the record is too short to tell |
    !> | `not` | yes | beyond |
    pure function judge_normality(skewness, kurtosis, p_value) result(verdict)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Whether the samples of a series stand on a grid, as those of a converter do, and what that does to its statistics.
+!> Whether the samples of a series stand on a grid, as those of a converter do.
 module gyroakf_stats_quantization
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -11,7 +11,7 @@ module gyroakf_stats_quantization
 
    !> Levels are counted where no more than these fit between the extremes
    integer(int64), parameter :: most_levels = 65536
-   !> From this step over standard deviation on, rounding changes the shape of the distribution itself
+   !> From this step over standard deviation on, rounding changes the distribution's shape
    real(dp), parameter :: coarse_ratio = 1.0_dp
 
    !> A sample is on the grid within this share of a step: numbers are printed with few digits
@@ -29,8 +29,8 @@ module gyroakf_stats_quantization
       real(dp) :: variance_share = 0.0_dp
       !> Distinct values that occur; 0: not counted, more than 65536 fit between the extremes
       integer(int64) :: levels = 0
-      !> Sheppard's correction: sqrt(variance - step^2/12), the standard deviation before rounding, u; 0 where rounding is all.
-      !> Good for steps up to about two standard deviations
+      !> Sheppard's correction: sqrt(variance - step^2/12), the standard deviation before rounding,
+      !> u; 0 where rounding is all. Good for steps up to about two standard deviations
       real(dp) :: corrected_std = 0.0_dp
    end type quantisation_type
 
@@ -38,14 +38,14 @@ contains
 
    !> Finds the step that the samples are multiples of, if any.
    !>
-   !> The smallest non-zero difference of neighbors is tried: the distance of the extremes makes it exact, then every sample
-   !> has to stand on the grid. A series whose neighbors never differ by a single step, or of which some samples were
-   !> interpolated, is not recognised; its step does not matter, or is no step of the series.
-   !> Source of the correction: Sheppard, Proc. London Math. Soc. 29 (1898) 353-380.
+   !> The smallest non-zero difference of neighbors is tried: the distance of the extremes makes it
+   !> exact, then every sample has to stand on the grid. A series whose neighbors never differ by a
+   !> single step, or of which some samples were interpolated, is not recognised. Source of
+   !> the correction: Sheppard, Proc. London Math. Soc. 29 (1898) 353-380.
    subroutine find_quantisation(x, std, result, error, valid)
       !> Series as it was recorded, before a trend is removed: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
-      !> Standard deviation that the step is compared with, usually of the series without trend; u, >= 0
+      !> Standard deviation to compare with, usually of the series without trend; u, >= 0
       real(dp), intent(in) :: std
       !> The grid; nothing found is no error
       type(quantisation_type), intent(out) :: result
@@ -55,17 +55,17 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       real(dp) :: step, largest, low, high, steps
 
-      if (.not. std >= 0.0_dp) then
-         call fatal_error(error, status%invalid_argument, "the standard deviation to compare a step with is negative")
-         return
-      end if
+      if (.not. std >= 0.0_dp) call fatal_error(error, status%invalid_argument, &
+         & "the standard deviation to compare a step with is negative")
+      if (allocated(error)) return
       call scan_extremes(x, low, high, step, valid)
       largest = max(abs(low), abs(high))
       if (step <= 64.0_dp*epsilon(step)*largest) return
       steps = anint((high - low)/step)
       if (steps < 1.0_dp .or. steps > 2.0_dp**40) return
       step = (high - low)/steps
-      call check_grid(x, low, step, nint(steps, int64), 16.0_dp*epsilon(step)*largest/step, result, error, valid)
+      call check_grid(x, low, step, nint(steps, int64), 16.0_dp*epsilon(step)*largest/step, &
+         & result, error, valid)
       if (allocated(error) .or. .not. result%quantised) return
       result%step = step
       if (.not. std > 0.0_dp) return
@@ -77,14 +77,10 @@ contains
    !> Whether all samples stand on the grid, and how many levels occur.
    subroutine check_grid(x, low, step, steps, rounding, result, error, valid)
       real(dp), intent(in), contiguous :: x(:)
-      !> A level, the step, and steps up to the highest level
-      real(dp), intent(in) :: low, step
+      !> The lowest level, the step, rounding of a sample in steps
+      real(dp), intent(in) :: low, step, rounding
       integer(int64), intent(in) :: steps
-      !> Rounding of a sample, in steps
-      real(dp), intent(in) :: rounding
-      !> quantised and levels are set
       type(quantisation_type), intent(inout) :: result
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       integer(int8), allocatable :: seen(:), mine(:)
@@ -104,7 +100,7 @@ contains
          if (bad == 0) mine = 0
          !$omp do schedule(dynamic) reduction(.and.:fits)
          do chunk = 1, chunk_count(n)
-            if (bad == 0 .and. fits) call check_chunk(x, low, step, off_grid, chunk, mine, fits, valid)
+            if (bad == 0 .and. fits) call check_chunk(x, low, step, chunk, mine, fits, valid)
          end do
          !$omp end do
          !$omp critical (gyroakf_quantisation_levels)
@@ -113,23 +109,20 @@ contains
          !$omp end critical (gyroakf_quantisation_levels)
          !$omp end parallel
       end if
-      if (bad + stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the levels of the series")
-         return
-      end if
+      if (bad + stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the levels of the series")
+      if (allocated(error)) return
       result%quantised = fits
       if (fits .and. counted > 0) result%levels = count(seen /= 0_int8, kind=int64)
    end subroutine check_grid
 
    !> The same for a chunk; ends with the block that does not fit.
-   pure subroutine check_chunk(x, low, step, tolerance, chunk, seen, fits, valid)
+   pure subroutine check_chunk(x, low, step, chunk, seen, fits, valid)
       real(dp), intent(in), contiguous :: x(:)
-      !> A level, the step, and how far from the grid a sample may be, in steps
-      real(dp), intent(in) :: low, step, tolerance
+      real(dp), intent(in) :: low, step
       integer, intent(in) :: chunk
       !> Levels that occur: [0:steps], or [0:0] where they are not counted
       integer(int8), intent(inout) :: seen(0:)
-      !> .false. where a sample is off
       logical, intent(inout) :: fits
       integer(int8), intent(in), optional :: valid(:)
       integer(int64) :: i, level, last
@@ -142,7 +135,7 @@ contains
          end if
          place = (x(i) - low)/step
          level = nint(place, int64)
-         if (abs(place - real(level, dp)) > tolerance) fits = .false.
+         if (abs(place - real(level, dp)) > off_grid) fits = .false.
          if (last > 0) seen(min(max(level, 0_int64), last)) = 1_int8
          if (mod(i, block_length) == 0 .and. .not. fits) return
       end do

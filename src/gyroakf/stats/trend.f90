@@ -1,28 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> Polynomial trend of a series.
-!>
-!> The fit is made in the polynomials that are orthonormal on the samples themselves (discrete
-!> Chebyshev or Gram polynomials), where the normal equations are the unit matrix as long as nothing
-!> is missing, and it is repeated on its own residuals. It is stated in Legendre polynomials and in
-!> powers of the sample index. Memory: some blocks, nothing of the record's length.
-!> Source: Abramowitz & Stegun 22.17 and 8.9; the paper's equation (10) is the form in powers.
+!> Polynomial trend of a series: its value, and what is left without it ([[fit_trend]] fits it).
 module gyroakf_stats_trend
-   use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
-   use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_chunks, only : threads_from, chunk_count, chunk_first, chunk_last
-   use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
-   use gyroakf_progress, only : progress_type
-   use gyroakf_lapack, only : dpotrf, dpotrs
+   use gyroakf_kinds, only : dp, int64
+   use gyroakf_chunks, only : threads_from, block_length, chunk_count, chunk_first, chunk_last
    implicit none (type, external)
    private
-   public :: trend_type, fit_trend, remove_trend, subtract_trend, evaluate_trend, set_level, &
-      & largest_degree
+   public :: trend_type, remove_trend, subtract_trend, evaluate_trend, set_level, set_powers
 
-   !> Largest degree that fit_trend accepts
-   integer, parameter :: largest_degree = 9
-   !> Samples whose basis is held at once: 80 kB at the largest degree
-   integer(int64), parameter :: stretch = 1024
+   !> Largest degree
+   integer, parameter, public :: largest_degree = 9
 
    !> A polynomial over the samples 0 .. samples - 1
    type :: trend_type
@@ -38,312 +24,7 @@ module gyroakf_stats_trend
       real(dp) :: remainder = 0.0_dp
    end type trend_type
 
-   !> The orthonormal basis on the samples from the first to the last present one
-   type :: basis_type
-      integer :: degree = 0
-      !> 0-based index of the first sample, number of samples
-      integer(int64) :: first = 0, samples = 0
-      !> t q(k) = a(k+1) q(k+1) + a(k) q(k-1), a(0) = 0
-      real(dp) :: a(0:largest_degree) = 0.0_dp
-   end type basis_type
-
-   !> Sums over the present samples: (x - shift - sum_k c_k q_k) q_j, [0:degree]; then, at first,
-   !> q_j q_k, j <= k, over the present or over the missing samples, [(0:degree)^2]
-   type, extends(chunk_sums_type) :: projection_type
-      type(basis_type) :: basis
-      !> Subtracted first; coefficients so far
-      real(dp) :: shift = 0.0_dp, c(0:largest_degree) = 0.0_dp
-      !> Whether the second are summed, and of which samples: those whose presence is this
-      logical :: squares = .false., wanted = .false.
-   contains
-      procedure :: add => add_projections
-   end type projection_type
-
 contains
-
-   !> Least-squares polynomial of the present samples.
-   !>
-   !> Minimises $$\sum_i (x_i - \sum_{k \le d} c_k q_k(t_i))^2$$ by Cholesky factorisation of the normal equations
-   !> (LAPACK dpotrf), then again on the residuals. Relative error about 1e-14 of the polynomial.
-   subroutine fit_trend(x, degree, trend, error, valid, progress)
-      !> Series: [n], any unit u, finite; not modified
-      real(dp), intent(in), contiguous :: x(:)
-      !> Degree, -1 .. 9; -1 gives the trend 0
-      integer, intent(in) :: degree
-      !> The polynomial, in u
-      type(trend_type), intent(out) :: trend
-      !> invalid_argument, too_few_samples (degree + 1 must be present), singular, non_finite, cancelled
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
-      type(basis_type) :: basis
-      type(projection_type) :: projection
-      real(dp), allocatable :: total(:), step(:), factor(:, :)
-      integer(int64) :: missing
-      integer :: pass, info, k
-
-      trend%samples = size(x, kind=int64)
-      call set_basis(size(x, kind=int64), degree, basis, error, valid)
-      if (allocated(error) .or. degree < 0) return
-      allocate (total((degree + 1)*(degree + 2)), step(0:degree), factor(0:degree, 0:degree))
-      projection%basis = basis
-      projection%shift = x(basis%first + 1)
-      if (present(valid)) then
-         missing = count(valid(basis%first + 1:basis%first + basis%samples) == 0_int8, kind=int64)
-         projection%squares = missing > 0
-         projection%wanted = 2*missing > basis%samples
-      end if
-      do pass = 1, 2
-         call sum_chunks(projection, x, basis%samples, "fitting the trend", total, error, valid, &
-            & progress)
-         if (allocated(error)) return
-         total = total/real(basis%samples, dp)
-         step = total(:degree + 1)
-         if (.not. all(ieee_is_finite(step))) then
-            call fatal_error(error, status%non_finite, "the series has a value that is not finite")
-            return
-         end if
-         if (pass == 1) then
-            factor(:, :) = reshape(total(degree + 2:), shape(factor))
-            ! the unit matrix less the sum over the missing ones
-            if (.not. projection%wanted) factor = -factor
-            do k = 0, degree
-               if (.not. projection%wanted) factor(k, k) = 1.0_dp + factor(k, k)
-            end do
-            call dpotrf("U", degree + 1, factor, degree + 1, info)
-            projection%squares = .false.
-         end if
-         if (info /= 0) exit
-         call dpotrs("U", degree + 1, 1, factor, degree + 1, step, degree + 1, info)
-         projection%c(:degree) = projection%c(:degree) + step
-      end do
-      if (info /= 0) then
-         call fatal_error(error, status%singular, "the gaps leave the trend undetermined; a lower degree may do")
-         return
-      end if
-      trend%degree = degree
-      call convert(basis, projection%c, projection%shift, trend)
-   end subroutine fit_trend
-
-   !> Checks the arguments, finds the first and the last present sample and sets the recursion
-   !> $$a_k = \frac{k}{m-1}\sqrt{\frac{m^2-k^2}{4k^2-1}}$$ of the basis on m samples.
-   subroutine set_basis(n, degree, basis, error, valid)
-      !> Length of the series
-      integer(int64), intent(in) :: n
-      !> Degree
-      integer, intent(in) :: degree
-      !> The basis
-      type(basis_type), intent(out) :: basis
-      !> invalid_argument, too_few_samples
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: last, found
-      real(dp) :: m
-      integer :: k
-      character(120) :: text
-
-      if (degree < -1 .or. degree > largest_degree) then
-         write (text, '("the degree of the trend must be -1 .. ", i0, ", it is ", i0)') largest_degree, degree
-         call fatal_error(error, status%invalid_argument, trim(text))
-         return
-      end if
-      call find_span(n, basis%first, last, found, error, valid)
-      if (allocated(error) .or. degree < 0) return
-      if (found < int(degree, int64) + 1) then
-         write (text, '("a trend of degree ", i0, " needs ", i0, " samples, ", i0, " are present")') degree, degree + 1, found
-         call fatal_error(error, status%too_few_samples, trim(text))
-         return
-      end if
-      basis%degree = degree
-      basis%samples = last - basis%first + 1
-      m = real(basis%samples, dp)
-      do k = 1, degree
-         basis%a(k) = real(k, dp)/(m - 1.0_dp)*sqrt((m - real(k, dp))*(m + real(k, dp))/real(4*k*k - 1, dp))
-      end do
-   end subroutine set_basis
-
-   !> First and last present sample, 0-based, and their number.
-   subroutine find_span(n, first, last, found, error, valid)
-      !> Length of the series
-      integer(int64), intent(in) :: n
-      !> The two, and how many are present
-      integer(int64), intent(out) :: first, last, found
-      !> invalid_argument where the mask has another length
-      type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-
-      first = 0
-      last = n - 1
-      found = n
-      if (.not. present(valid)) return
-      if (size(valid, kind=int64) /= n) then
-         call fatal_error(error, status%invalid_argument, "the mask and the series differ in length")
-         return
-      end if
-      found = count(valid /= 0_int8, kind=int64)
-      if (found < 1) return
-      do while (valid(first + 1) == 0_int8)
-         first = first + 1
-      end do
-      do while (valid(last + 1) == 0_int8)
-         last = last - 1
-      end do
-   end subroutine find_span
-
-   !> The basis at some successive samples.
-   pure subroutine evaluate_basis(basis, first, q)
-      !> The basis
-      type(basis_type), intent(in) :: basis
-      !> Number of the first of the samples within the span, 0-based
-      integer(int64), intent(in) :: first
-      !> Values: [samples, 0:degree]
-      real(dp), intent(out) :: q(:, 0:)
-      real(dp) :: scale, t
-      integer :: i, k
-
-      q(:, 0) = 1.0_dp
-      if (basis%degree < 1) return
-      scale = 1.0_dp/real(basis%samples - 1, dp)
-      do i = 1, size(q, 1)
-         t = real(2*(first + i - 1) - (basis%samples - 1), dp)*scale
-         q(i, 1) = t/basis%a(1)
-      end do
-      do k = 2, basis%degree
-         do i = 1, size(q, 1)
-            q(i, k) = (basis%a(1)*q(i, 1)*q(i, k - 1) - basis%a(k - 1)*q(i, k - 2))/basis%a(k)
-         end do
-      end do
-   end subroutine evaluate_basis
-
-   !> The sums of a chunk of the span.
-   subroutine add_projections(self, x, n, chunk, total, stat, valid)
-      class(projection_type), intent(inout) :: self
-      real(dp), intent(in), contiguous :: x(:)
-      integer(int64), intent(in) :: n
-      integer, intent(in) :: chunk
-      real(dp), intent(inout), contiguous :: total(:)
-      integer, intent(out) :: stat
-      integer(int8), intent(in), optional :: valid(:)
-      real(dp), allocatable :: q(:, :)
-      real(dp) :: y(stretch), product
-      integer(int64) :: begin, place
-      integer :: i, k, m
-
-      allocate (q(stretch, 0:self%basis%degree), stat=stat)
-      if (stat /= 0) return
-      do begin = chunk_first(n, chunk), chunk_last(n, chunk), stretch
-         m = int(min(stretch, chunk_last(n, chunk) - begin + 1))
-         place = self%basis%first + begin - 1
-         call evaluate_basis(self%basis, begin - 1, q(:m, :))
-         do i = 1, m
-            y(i) = x(place + i) - self%shift
-         end do
-         do k = 0, self%basis%degree
-            y(:m) = y(:m) - self%c(k)*q(:m, k)
-         end do
-         if (present(valid)) call drop_missing(self, valid(place + 1:place + m), q(:m, :), y(:m), &
-            & total)
-         do k = 0, self%basis%degree
-            product = 0.0_dp
-            !$omp simd reduction(+:product)
-            do i = 1, m
-               product = product + y(i)*q(i, k)
-            end do
-            total(k + 1) = total(k + 1) + product
-         end do
-      end do
-   end subroutine add_projections
-
-   !> Takes the missing samples out, and adds the products of the basis.
-   pure subroutine drop_missing(self, valid, q, y, total)
-      class(projection_type), intent(in) :: self
-      !> Of some successive samples, and the basis there
-      integer(int8), intent(in) :: valid(:)
-      real(dp), intent(in) :: q(:, 0:)
-      real(dp), intent(inout) :: y(:), total(:)
-      integer :: i, k, base
-
-      do i = 1, size(y)
-         if (valid(i) == 0_int8) y(i) = 0.0_dp
-         if (.not. self%squares .or. ((valid(i) /= 0_int8) .neqv. self%wanted)) cycle
-         do k = 0, self%basis%degree
-            base = (k + 1)*(self%basis%degree + 1)
-            total(base + 1:base + 1 + k) = total(base + 1:base + 1 + k) + q(i, :k)*q(i, k)
-         end do
-      end do
-   end subroutine drop_missing
-
-   !> States a polynomial of the basis in Legendre polynomials over the record and in powers.
-   subroutine convert(basis, c, shift, trend)
-      !> The basis
-      type(basis_type), intent(in) :: basis
-      !> Coefficients of the basis
-      real(dp), intent(in) :: c(0:)
-      !> Constant that was subtracted
-      real(dp), intent(in) :: shift
-      !> Degree and samples are set; the coefficients are filled
-      type(trend_type), intent(inout) :: trend
-      real(dp) :: q(0:largest_degree + 1, -1:largest_degree), alpha, beta
-      integer :: k, d
-
-      d = basis%degree
-      q = 0.0_dp
-      q(0, 0) = 1.0_dp
-      if (d > 0) then
-         alpha = real(trend%samples - 1, dp)/real(basis%samples - 1, dp)
-         beta = real(trend%samples - basis%samples - 2*basis%first, dp)/real(basis%samples - 1, dp)
-         do k = 1, d
-            q(:, k) = (alpha*times_argument(q(:, k - 1)) + beta*q(:, k - 1) - basis%a(k - 1)*q(:, k - 2))/basis%a(k)
-         end do
-      end if
-      allocate (trend%legendre(0:d), trend%power(0:d))
-      trend%legendre = 0.0_dp
-      do k = d, 0, -1
-         trend%legendre = trend%legendre + c(k)*q(:d, k)
-      end do
-      trend%remainder = trend%legendre(0)
-      trend%legendre(0) = shift + trend%remainder
-      trend%remainder = (shift - trend%legendre(0)) + trend%remainder
-      call to_powers(trend)
-   end subroutine convert
-
-   !> Legendre coefficients of t p(t): t P_j = ((j+1) P_(j+1) + j P_(j-1))/(2j+1).
-   pure function times_argument(p) result(r)
-      !> Legendre coefficients of p, the last one 0: [0:d]
-      real(dp), intent(in) :: p(0:)
-      real(dp) :: r(0:size(p) - 1)
-      integer :: j
-
-      r = 0.0_dp
-      do j = 0, size(p) - 2
-         r(j + 1) = p(j)*real(j + 1, dp)/real(2*j + 1, dp)
-      end do
-      do j = 1, size(p) - 1
-         r(j - 1) = r(j - 1) + p(j)*real(j, dp)/real(2*j + 1, dp)
-      end do
-   end function times_argument
-
-   !> P_j(2s - 1) = sum_l (-1)^(j+l) C(j, l) C(j+l, l) s^l with s = i/(n-1).
-   subroutine to_powers(trend)
-      !> Legendre coefficients are set; the powers are filled
-      type(trend_type), intent(inout) :: trend
-      real(dp) :: term, width
-      integer :: j, l
-
-      width = real(max(trend%samples - 1, 1_int64), dp)
-      trend%power = 0.0_dp
-      do j = trend%degree, 0, -1
-         term = merge(1.0_dp, -1.0_dp, mod(j, 2) == 0)*trend%legendre(j)
-         do l = 0, j
-            trend%power(l) = trend%power(l) + term
-            term = -term*real((j - l)*(j + l + 1), dp)/real((l + 1)*(l + 1), dp)/width
-         end do
-      end do
-   end subroutine to_powers
 
    !> The trend that is a constant.
    pure subroutine set_level(trend, mean, remainder)
@@ -358,6 +39,25 @@ contains
       trend%power = mean
       trend%remainder = remainder
    end subroutine set_level
+
+   !> Coefficients of the powers of the sample index i, by $$P_j(2s - 1) = \sum_l (-1)^{j+l}
+   !> \binom{j}{l} \binom{j+l}{l} s^l, \quad s = i/(n-1)$$
+   pure subroutine set_powers(trend)
+      !> Degree, samples and Legendre coefficients are set; the powers are filled
+      type(trend_type), intent(inout) :: trend
+      real(dp) :: term, width
+      integer :: j, l
+
+      width = real(max(trend%samples - 1, 1_int64), dp)
+      trend%power = 0.0_dp
+      do j = trend%degree, 0, -1
+         term = merge(1.0_dp, -1.0_dp, mod(j, 2) == 0)*trend%legendre(j)
+         do l = 0, j
+            trend%power(l) = trend%power(l) + term
+            term = -term*real((j - l)*(j + l + 1), dp)/real((l + 1)*(l + 1), dp)/width
+         end do
+      end do
+   end subroutine set_powers
 
    !> Value of the trend at a sample.
    elemental real(dp) function evaluate_trend(trend, index)
@@ -374,7 +74,8 @@ contains
       b1 = 0.0_dp
       b2 = 0.0_dp
       do k = trend%degree, 1, -1
-         b = trend%legendre(k) + real(2*k + 1, dp)/real(k + 1, dp)*t*b1 - real(k + 1, dp)/real(k + 2, dp)*b2
+         b = trend%legendre(k) + real(2*k + 1, dp)/real(k + 1, dp)*t*b1 &
+            & - real(k + 1, dp)/real(k + 2, dp)*b2
          b2 = b1
          b1 = b
       end do
@@ -394,16 +95,15 @@ contains
       if (trend%degree < 0) return
       !$omp parallel do if (n >= threads_from) default(shared) private(first, last) schedule(static)
       do chunk = 1, chunk_count(n)
-         do first = chunk_first(n, chunk), chunk_last(n, chunk), stretch
-            last = min(first + stretch - 1, chunk_last(n, chunk))
+         do first = chunk_first(n, chunk), chunk_last(n, chunk), block_length
+            last = min(first + block_length - 1, chunk_last(n, chunk))
             call subtract_trend(trend, first - 1, x(first:last))
          end do
       end do
       !$omp end parallel do
    end subroutine remove_trend
 
-   !> Subtracts the trend from some successive samples: the constant first, then the rest, by
-   !> Clenshaw's recursion.
+   !> Subtracts the trend from successive samples: the constant, then the rest, by Clenshaw.
    pure subroutine subtract_trend(trend, first, y)
       !> The polynomial
       type(trend_type), intent(in) :: trend

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Power spectral density by Welch's method: the mean of the periodograms of windowed segments that overlap.
+!> Power spectral density by Welch's method: mean periodogram of overlapping segments.
 !>
 !>     call welch_spectrum(x, dt, welch_options(), spectrum, error)
 !>     ! spectrum%density(k) at spectrum%frequency(k), two-sided, unit^2/Hz for dt in s
@@ -35,7 +35,7 @@ module gyroakf_stats_welch
       logical :: detrend = .true.
       !> Probability between the limits, 0 < P < 1
       real(dp) :: confidence = 0.683_dp
-      !> A segment counts when this share of it, weighted by the window squared, is present: > 0 .. 1
+      !> A segment counts when this share of its squared window is present: > 0 .. 1
       real(dp) :: min_coverage = 0.5_dp
    end type welch_options
 
@@ -43,9 +43,9 @@ module gyroakf_stats_welch
    type :: welch_type
       !> 0 .. half the sample rate: [L/2 + 1] for segments of L samples
       real(dp), allocatable :: frequency(:)
-      !> Two-sided density and its limits, u^2/Hz; its integral from minus to plus half the sample rate is the variance
+      !> Two-sided density and its limits, u^2/Hz; its integral is the variance
       real(dp), allocatable :: density(:), lower(:), upper(:)
-      !> One-sided density: twice the two-sided one but at 0 and at half the sample rate; its integral from 0 is the variance
+      !> One-sided density: twice the two-sided one but at 0 and at half the sample rate
       real(dp), allocatable :: one_sided(:)
       !> Degrees of freedom of each density
       real(dp), allocatable :: edf(:)
@@ -53,7 +53,7 @@ module gyroakf_stats_welch
       integer(int64) :: segment = 0, step = 0
       !> Segments that fit the series, and those that count
       integer(int64) :: segments = 0, used = 0
-      !> Distance of two frequencies, and width of the rectangle that passes as much noise as the window, Hz
+      !> Distance of two frequencies, and noise bandwidth of the window, Hz
       real(dp) :: resolution = 0.0_dp, noise_bandwidth = 0.0_dp
       !> Degrees of freedom between 0 and half the sample rate
       real(dp) :: degrees_of_freedom = 0.0_dp
@@ -66,15 +66,16 @@ contains
 
    !> Welch's estimate of the power spectral density.
    !>
-   !> $$S(f_k) = \frac{\Delta t}{\sum_i c_i} \sum_i \frac{c_i}{\sum_t w_t^2 v_{it}}
-   !> \left| \sum_t w_t v_{it} (x_{it} - \bar x_i) e^{-2\pi i kt/L} \right|^2, \quad
-   !> c_i = \frac{\sum_t w_t^2 v_{it}}{\sum_t w_t^2},$$
-   !> v being 1 for present samples and 0 for missing ones, i the segments with c_i >= min_coverage. Segments that
-   !> miss samples see strong parts of the spectrum through the gaps; raise min_coverage where that matters. The degrees of
-   !> freedom are those of the weighted mean of overlapping segments in Gaussian noise, $$\nu = 2 (\sum c_i)^2/\sum_{ij} c_i c_j
-   !> \rho_{|i-j|}^2, \quad \rho_j = \sum_t w_t w_{t+jD}/\sum_t w_t^2,$$ D the step; at frequency 0 and at half the sample
-   !> rate half as many. Source: P. D. Welch, The use of fast Fourier transform for the estimation of power spectra, IEEE Trans.
-   !> Audio Electroacoust. 15 (1967) 70-73; windows: F. J. Harris, Proc. IEEE 66 (1978) 51-83.
+   !> $$S(f_k) = \frac{\Delta t}{\sum_i c_i} \sum_i \frac{c_i}{\sum_t w_t^2 v_{it}} \left| \sum_t
+   !> w_t v_{it} (x_{it} - \bar x_i) e^{-2\pi i kt/L} \right|^2, \quad c_i = \frac{\sum_t w_t^2
+   !> v_{it}}{\sum_t w_t^2},$$ v being 1 for present samples and 0 for missing ones, i the segments
+   !> with c_i >= min_coverage. Segments that miss samples see strong parts of the spectrum through
+   !> the gaps; raise min_coverage where that matters. The degrees of freedom are those of the
+   !> weighted mean of overlapping segments in Gaussian noise, $$\nu = 2 (\sum c_i)^2/\sum_{ij} c_i
+   !> c_j \rho_{|i-j|}^2, \quad \rho_j = \sum_t w_t w_{t+jD}/\sum_t w_t^2,$$ D the step; at
+   !> frequency 0 and at half the sample rate half as many. Source: P. D. Welch, The use of fast
+   !> Fourier transform for the estimation of power spectra, IEEE Trans. Audio Electroacoust. 15
+   !> (1967) 70-73; windows: F. J. Harris, Proc. IEEE 66 (1978) 51-83.
    subroutine welch_spectrum(x, dt, options, spectrum, error, valid, progress)
       !> Series: [n], n >= 2; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -84,7 +85,7 @@ contains
       type(welch_options), intent(in) :: options
       !> The spectrum
       type(welch_type), intent(out) :: spectrum
-      !> invalid_argument: an option out of range; too_few_samples: no segment counts; no_memory; cancelled
+      !> invalid_argument, too_few_samples (no segment counts), no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
@@ -104,23 +105,21 @@ contains
       allocate (part%window(0:part%length - 1), stat=stat)
       if (stat == 0) allocate (spectrum%density(0:part%length/2), stat=stat)
       if (stat == 0) allocate (share(spectrum%segments), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the segments of the spectrum")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the segments of the spectrum")
+      if (allocated(error)) return
       call report_progress("spectrum", 0_int64, spectrum%segments, error, progress)
       if (allocated(error)) return
       call make_window(trim(options%window), part%window, error, progress)
-      if (allocated(error)) return
-      call new_real_fft_plan(plan, part%length, error, progress)
+      if (.not. allocated(error)) call new_real_fft_plan(plan, part%length, error, progress)
       if (allocated(error)) return
       spectrum%density = 0.0_dp
       call add_all(x, part, plan, spectrum%density, share, error, valid, progress)
       if (allocated(error)) return
       spectrum%used = count(share > 0.0_dp, kind=int64)
       if (spectrum%used == 0) then
-         call fatal_error(error, status%too_few_samples, "too much is missing in every segment of the spectrum: "// &
-                          "take shorter segments, or a smaller share that must be present")
+         call fatal_error(error, status%too_few_samples, "too much is missing in every segment " &
+            & //"of the spectrum: take shorter segments, or a smaller share that must be present")
          return
       end if
       call report_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
@@ -142,33 +141,37 @@ contains
       if (allocated(error)) return
       if (n < 2) then
          call fatal_error(error, status%too_few_samples, "a spectrum needs at least 2 samples")
-      else if (all(trim(options%window) /= [character(8) :: "hann", "hamming", "blackman", "none"])) then
-         call fatal_error(error, status%invalid_argument, &
-                          "unknown window '"//trim(options%window)//"'; there are hann, hamming, blackman and none")
+      else if (all(options%window /= [character(8) :: "hann", "hamming", "blackman", "none"])) then
+         call fatal_error(error, status%invalid_argument, "unknown window '" &
+            & //trim(options%window)//"'; there are hann, hamming, blackman and none")
       else if (.not. (options%overlap >= 0.0_dp .and. options%overlap <= 0.95_dp)) then
-         call fatal_error(error, status%invalid_argument, "the overlap of the segments must be 0 .. 0.95")
+         call fatal_error(error, status%invalid_argument, &
+            & "the overlap of the segments must be 0 .. 0.95")
       else if (.not. (options%confidence > 0.0_dp .and. options%confidence < 1.0_dp)) then
          call fatal_error(error, status%invalid_argument, "the confidence must lie between 0 and 1")
       else if (.not. (options%min_coverage > 0.0_dp .and. options%min_coverage <= 1.0_dp)) then
-         call fatal_error(error, status%invalid_argument, "the coverage must be larger than 0 and at most 1")
+         call fatal_error(error, status%invalid_argument, &
+            & "the coverage must be larger than 0 and at most 1")
       else if (options%segment /= 0 .and. (options%segment < 2 .or. options%segment > n)) then
-         write (text, '("a segment of the spectrum must have 2 to ", i0, " samples (0: chosen), not ", i0)') n, options%segment
+         write (text, "(2(a, i0))") "a segment of the spectrum must have 2 to ", n, &
+            & " samples (0: chosen), not ", options%segment
          call fatal_error(error, status%invalid_argument, trim(text))
       end if
       if (allocated(error)) return
       spectrum%segment = options%segment
       if (options%segment == 0) spectrum%segment = default_segment(n)
-      spectrum%step = max(1_int64, spectrum%segment - int(options%overlap*real(spectrum%segment, dp), int64))
+      spectrum%step = max(1_int64, spectrum%segment &
+         & - int(options%overlap*real(spectrum%segment, dp), int64))
       spectrum%segments = (n - spectrum%segment)/spectrum%step + 1
       spectrum%overlap = options%overlap
       spectrum%confidence = options%confidence
       spectrum%window = options%window
    end subroutine lay_out
 
-   !> Samples of a segment where none are given: the largest power of two of which 8 fit, at most 16384, at least 2.
+   !> Default samples of a segment: the largest power of two that fits 8 times, 2 .. 16384.
    !>
-   !> With half overlap that is the mean of 15 segments or more (about 28 degrees of freedom, a density within 27 % either way);
-   !> a long record gets more of them, not narrower ones.
+   !> With half overlap that is the mean of 15 segments or more (about 28 degrees of freedom, a
+   !> density within 27 % either way); a long record gets more of them, not narrower ones.
    pure integer(int64) function default_segment(n) result(length)
       !> Samples of the series, >= 2
       integer(int64), intent(in) :: n
@@ -184,9 +187,7 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       type(segment_type), intent(in) :: part
       type(real_fft_plan_type), intent(in) :: plan
-      !> Weighted sum of the periodograms: [0:L/2]
-      real(dp), intent(inout) :: density(0:)
-      !> Weight of each segment: [segments]
+      real(dp), intent(inout), contiguous :: density(0:)
       real(dp), intent(out) :: share(:)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
@@ -199,14 +200,11 @@ contains
       segments = size(share, kind=int64)
       parts = min(most_parts, segments, max(4_int64, 1048576_int64/part%length))
       allocate (sums(0:part%length/2, parts), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the segments of the spectrum")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for the segments of the spectrum")
+      if (allocated(error)) return
       if (present(progress) .and. part%length > long_segment) then
-         sums(:, 1) = 0.0_dp
-         call add_segments(x, part, plan, 1_int64, segments, sums(:, 1), share, error, valid, progress)
-         density = sums(:, 1)
+         call add_segments(x, part, plan, 1_int64, segments, density, share, error, valid, progress)
          return
       end if
       group = max(report_samples/part%length, 1_int64)
@@ -214,7 +212,8 @@ contains
          call report_progress("spectrum", first, segments, error, progress)
          if (allocated(error)) return
          associate (number => min(group, segments - first))
-            !$omp parallel do default(shared) private(from, to, failed) schedule(dynamic) if (number*part%length > 60000)
+            !$omp parallel do default(shared) private(from, to, failed) schedule(dynamic) &
+            !$omp& if (number*part%length > 60000)
             do p = 1, parts
                from = first + ((p - 1)*number)/parts + 1
                to = first + (p*number)/parts
@@ -236,10 +235,8 @@ contains
    !> Frequencies, degrees of freedom, limits.
    subroutine state(part, share, dt, spectrum, error, progress)
       type(segment_type), intent(in) :: part
-      real(dp), intent(in) :: share(:)
-      real(dp), intent(in) :: dt
+      real(dp), intent(in) :: share(:), dt
       type(welch_type), intent(inout) :: spectrum
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: tail
@@ -248,32 +245,30 @@ contains
       last = part%length/2
       spectrum%resolution = 1.0_dp/(real(part%length, dp)*dt)
       spectrum%noise_bandwidth = sum(part%window**2)/sum(part%window)**2/dt
-      spectrum%degrees_of_freedom = freedom(part, share)
-      allocate (spectrum%frequency(0:last), spectrum%edf(0:last), spectrum%one_sided(0:last))
-      allocate (spectrum%lower(0:last), spectrum%upper(0:last))
+      allocate (spectrum%frequency(0:last), spectrum%edf(0:last), spectrum%one_sided(0:last), &
+         & spectrum%lower(0:last), spectrum%upper(0:last))
       tail = 0.5_dp*(1.0_dp - spectrum%confidence)
       do k = 0, last
          spectrum%frequency(k) = real(k, dp)/(real(part%length, dp)*dt)
       end do
       call report_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
       if (allocated(error)) return
-      spectrum%edf = spectrum%degrees_of_freedom
-      spectrum%one_sided = 2.0_dp*spectrum%density
-      do k = 0, last
-         if (k > 0 .and. 2*k < part%length) cycle
-         spectrum%edf(k) = 0.5_dp*spectrum%degrees_of_freedom
-         spectrum%one_sided(k) = spectrum%density(k)
-      end do
-      call report_progress("spectrum", spectrum%segments, spectrum%segments, error, progress)
-      if (allocated(error)) return
-      spectrum%lower = spectrum%density*(spectrum%degrees_of_freedom/chi_square_quantile(1.0_dp - tail, &
-                                                                                          spectrum%degrees_of_freedom))
-      spectrum%upper = spectrum%density*(spectrum%degrees_of_freedom/chi_square_quantile(tail, spectrum%degrees_of_freedom))
-      do k = 0, last
-         if (k > 0 .and. 2*k < part%length) cycle
-         spectrum%lower(k) = spectrum%density(k)*(spectrum%edf(k)/chi_square_quantile(1.0_dp - tail, spectrum%edf(k)))
-         spectrum%upper(k) = spectrum%density(k)*(spectrum%edf(k)/chi_square_quantile(tail, spectrum%edf(k)))
-      end do
+      associate (nu => spectrum%degrees_of_freedom)
+         nu = freedom(part, share)
+         spectrum%edf = nu
+         spectrum%one_sided = 2.0_dp*spectrum%density
+         spectrum%lower = spectrum%density*(nu/chi_square_quantile(1.0_dp - tail, nu))
+         spectrum%upper = spectrum%density*(nu/chi_square_quantile(tail, nu))
+         do k = 0, last
+            if (k > 0 .and. 2*k < part%length) cycle
+            spectrum%edf(k) = 0.5_dp*nu
+            spectrum%one_sided(k) = spectrum%density(k)
+            spectrum%lower(k) = spectrum%density(k) &
+               & *(0.5_dp*nu/chi_square_quantile(1.0_dp - tail, 0.5_dp*nu))
+            spectrum%upper(k) = spectrum%density(k) &
+               & *(0.5_dp*nu/chi_square_quantile(tail, 0.5_dp*nu))
+         end do
+      end associate
    end subroutine state
 
    !> Degrees of freedom of the weighted mean of overlapping segments.
@@ -288,7 +283,8 @@ contains
       do j = 1, n - 1
          lag = j*part%step
          if (lag >= part%length) exit
-         correlation = sum(part%window(:part%length - 1 - lag)*part%window(lag:))/sum(part%window**2)
+         correlation = sum(part%window(:part%length - 1 - lag)*part%window(lag:)) &
+            & /sum(part%window**2)
          do i = 1, n - j
             total = total + 2.0_dp*share(i)*share(i + j)*correlation**2
          end do

@@ -42,7 +42,8 @@ contains
 
       n = size(window, kind=int64)
       do t = 0, n - 1
-         if (iand(t + 1, report_mask) == 0) call report_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (iand(t + 1, report_mask) == 0) call report_progress("spectrum", 0_int64, 0_int64, &
+            & error, progress)
          if (allocated(error)) return
          c = cos(turn*(real(t, dp)/real(n, dp)))
          select case (name)
@@ -54,7 +55,7 @@ contains
       end do
    end subroutine make_window
 
-   !> Adds the periodograms of some segments, each over the sum of the squares of its window and times its share.
+   !> Adds the periodograms of segments over the sum of the squares of the window.
    subroutine add_segments(x, part, plan, from, to, total, share, error, valid, progress)
       !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
@@ -83,39 +84,38 @@ contains
       share = 0.0_dp
       allocate (segment(0:part%length - 1), stat=stat)
       if (stat == 0) allocate (spectrum(0:part%length/2), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for a segment of the spectrum")
-         return
-      end if
+      if (stat /= 0) call fatal_error(error, status%no_memory, &
+         & "no memory for a segment of the spectrum")
+      if (allocated(error)) return
       energy = sum(part%window**2)
       do i = from, to
          first = (i - 1)*part%step + 1
          call report_progress("spectrum", i - 1, 0_int64, error, progress)
          if (allocated(error)) return
-         call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), first, error, valid, progress)
+         call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), &
+            & first, error, valid, progress)
          if (allocated(error)) return
          if (share(i - from + 1) <= 0.0_dp) cycle
          call real_fft_forward(plan, segment, spectrum, error, progress)
          if (.not. allocated(error)) call report_progress("spectrum", i, 0_int64, error, progress)
          if (allocated(error)) return
-         factor = 1.0_dp/energy                      ! share over the energy of what is present
+         factor = 1.0_dp/energy                     ! the share over the energy that is present
          do k = 0, part%length/2
             total(k) = total(k) + factor*(real(spectrum(k), dp)**2 + aimag(spectrum(k))**2)
          end do
       end do
    end subroutine add_segments
 
-   !> A segment without its mean, times the window, 0 where missing; and the share of it that is present. Its first sample is
-   !> subtracted before the mean is formed: the mean of large values would be rounded to a unit in their last place.
+   !> A segment without its mean, times the window, 0 where missing; and the share of it that is
+   !> present. Its first sample is subtracted before the mean is formed: the mean of large values
+   !> would be rounded to a unit in their last place.
    subroutine cut(x, part, energy, segment, share, first, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       type(segment_type), intent(in) :: part
       real(dp), intent(in) :: energy
       real(dp), intent(out), contiguous :: segment(0:)
       real(dp), intent(out) :: share
-      !> Number of its first sample in the series
       integer(int64), intent(in) :: first
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
@@ -148,18 +148,14 @@ contains
       end do
    end subroutine cut
 
-   !> Mean of the samples of a segment that are present, and the share of the window's energy that falls on them.
+   !> Mean of the present samples of a segment, and their share of the window's energy.
    subroutine weigh(x, part, first, energy, origin, mean, share, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       type(segment_type), intent(in) :: part
-      !> As of [[cut]]
       integer(int64), intent(in) :: first
       real(dp), intent(in) :: energy
-      !> The first of them, and the mean of what they are beyond it; 0 where the mean stays
-      real(dp), intent(out) :: origin, mean
-      !> 0 where nothing is present
-      real(dp), intent(out) :: share
-      !> cancelled
+      !> The first of them, the mean of what they are beyond it; 0 where the mean stays
+      real(dp), intent(out) :: origin, mean, share
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in) :: valid(:)
       class(progress_type), intent(inout), optional :: progress

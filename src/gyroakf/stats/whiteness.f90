@@ -8,7 +8,7 @@ module gyroakf_stats_whiteness
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    implicit none (type, external)
    private
-   public :: ljung_box_type, test_ljung_box, ljung_box_of, default_lags
+   public :: ljung_box_type, test_ljung_box, ljung_box_of
 
    !> Result of the Ljung-Box test
    type :: ljung_box_type
@@ -30,15 +30,15 @@ contains
 
    !> Ljung-Box test of a series.
    !>
-   !> $$Q = n(n+2) \sum_{k=1}^{h} \frac{\hat\rho_k^2}{n-k} \sim \chi^2(h - \text{fitted})$$
-   !> with the biased autocovariances. With missing samples rho_k is the mean over the m_k present pairs,
-   !> of variance 1/m_k, and $$Q = \frac{n+2}{n} \sum_k m_k \hat\rho_k^2,$$ n the present samples; both
+   !> $$Q = n(n+2) \sum_{k=1}^{h} \frac{\hat\rho_k^2}{n-k} \sim \chi^2(h - \text{fitted})$$ with the
+   !> biased autocovariances. With missing samples rho_k is the mean over the m_k present pairs, of
+   !> variance 1/m_k, and $$Q = \frac{n+2}{n} \sum_k m_k \hat\rho_k^2,$$ n the present samples; both
    !> agree without gaps. Source: Ljung & Box, Biometrika 65 (1978) 297-303; Stoffer & Toloi, Stat.
    !> Prob. Lett. 13 (1992) 391-396.
    subroutine test_ljung_box(x, lags, fitted, result, error, valid, progress)
       !> Series: [n], n > lags; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
-      !> Number of lags h, > fitted; [[default_lags]] gives the usual number
+      !> Number of lags h, > fitted
       integer, intent(in) :: lags
       !> Parameters of the model whose residuals these are, >= 0
       integer, intent(in) :: fitted
@@ -55,14 +55,10 @@ contains
       real(dp) :: mean
 
       call check_lags(lags, fitted, error)
-      if (allocated(error)) return
-      call compute_autocovariance(x, lags, mean, r, error, valid, pairs, progress)
-      if (allocated(error)) return
-      if (present(valid)) then
-         call ljung_box_of(r, size(x, kind=int64), fitted, result, error, pairs)
-      else
-         call ljung_box_of(r, size(x, kind=int64), fitted, result, error)
-      end if
+      if (.not. allocated(error)) call compute_autocovariance(x, lags, mean, r, error, valid, &
+         & pairs, progress)
+      if (.not. allocated(error)) call ljung_box_of(r, size(x, kind=int64), fitted, result, error, &
+         & pairs)
    end subroutine test_ljung_box
 
    !> Ljung-Box test from autocovariances, for whoever accumulates them on the way.
@@ -89,11 +85,13 @@ contains
       used = real(n, dp)
       if (present(pairs)) used = real(pairs(0), dp)
       if (n <= int(h, int64) .or. used < 2.0_dp) then
-         write (text, '("the Ljung-Box test with ", i0, " lags needs more than ", i0, " samples, there are ", i0)') h, h, n
+         write (text, "(3(a, i0))") "the Ljung-Box test with ", h, " lags needs more than ", h, &
+            & " samples, there are ", n
          call fatal_error(error, status%too_few_samples, trim(text))
          return
       else if (.not. r(0) > 0.0_dp) then
-         call fatal_error(error, status%constant_input, "the series has no variance, whiteness cannot be tested")
+         call fatal_error(error, status%constant_input, &
+            & "the series has no variance, whiteness cannot be tested")
          return
       end if
       do k = 1, h
@@ -112,26 +110,14 @@ contains
 
    !> Refuses a number of lags that leaves no degree of freedom.
    subroutine check_lags(lags, fitted, error)
-      !> Number of lags and of fitted parameters
       integer, intent(in) :: lags, fitted
-      !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
       character(160) :: text
 
       if (fitted >= 0 .and. lags > fitted) return
-      write (text, '("the Ljung-Box test needs more lags than fitted parameters: ", i0, " lags, ", i0, " parameters")') &
-         & lags, fitted
+      write (text, "(2(a, i0), a)") "the Ljung-Box test needs more lags than fitted parameters: ", &
+         & lags, " lags, ", fitted, " parameters"
       call fatal_error(error, status%invalid_argument, trim(text))
    end subroutine check_lags
-
-   !> The usual number of lags, min(10 + fitted, n/5) but at least fitted + 1.
-   pure integer function default_lags(n, fitted)
-      !> Length of the series
-      integer(int64), intent(in) :: n
-      !> Parameters fitted before, >= 0
-      integer, intent(in) :: fitted
-
-      default_lags = max(fitted + 1, int(min(int(10 + fitted, int64), n/5)))
-   end function default_lags
 
 end module gyroakf_stats_whiteness
