@@ -83,7 +83,8 @@ def run(data: Any, **options: Any) -> Report:
     Parameters
     ----------
     data : path, Recording or array_like
-        A file; or samples, of several channels in columns, which the report numbers.
+        A file; or samples, of several channels in columns, which the report numbers, or in the
+        fields of a structured array, which it names.
     **options
         Those of the program (``gyroakf run --help``), with ``_`` for ``-``: ``rate=100,
         unit="deg/s", drift_tau=10``; ``True``
@@ -108,8 +109,13 @@ def run(data: Any, **options: Any) -> Report:
 
     stdin = None
     if isinstance(data, Recording):
-        known = {"rate": repr(data.rate)} if data.rate_source != "none" else {}
-        options = {"unit": data.units if all(data.units) else None, **known, **options}
+        options = {
+            "rate": repr(data.rate) if data.rate_source != "none" else None,
+            "unit": data.units if all(data.units) else None,
+            "column": range(1, len(data.names) + 1),  # whatever their names mean in a file
+            "time_column": "none",
+            **options,
+        }
     if isinstance(data, (str, os.PathLike)):
         path = os.fsdecode(data)
         reader = reader_of(path)
@@ -120,8 +126,11 @@ def run(data: Any, **options: Any) -> Report:
             stdin.seek(0)
     else:
         stdin, path = tempfile.TemporaryFile(), "-"
-        columns = np.stack(data.values, axis=1) if isinstance(data, Recording) else np.asarray(data)
-        if columns.ndim not in (1, 2) or columns.dtype.kind not in "buif":
+        if isinstance(data, Recording):
+            columns = np.rec.fromarrays(data.values, names=data.names)
+        else:
+            columns = np.asarray(data)
+        if columns.ndim not in (1, 2) or columns.dtype.kind not in "buifV":
             raise TypeError("`data` must hold real numbers, with a column for each channel")
         np.save(stdin, columns)
         stdin.seek(0)
@@ -132,7 +141,9 @@ def run(data: Any, **options: Any) -> Report:
         arguments.append("--" + name.rstrip("_").replace("_", "-"))
         if value is not True:
             arguments.append(
-                ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+                ",".join(map(str, value))
+                if isinstance(value, (list, tuple, range))
+                else str(value)
             )
     with tempfile.TemporaryDirectory() as folder:
         document = os.path.join(folder, "run.json")

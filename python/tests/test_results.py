@@ -174,7 +174,12 @@ def test_run_of_arrays_and_options(log, noise, tmp_path):
     )
     assert [c["name"] for c in report.channels] == ["column1", "column2"]
     assert report.document["input"]["rate_hz"] == 100 and str(report).isascii()
-    assert gyroakf.run(log).document["input"]["unit"] == "deg/s"
+    report = gyroakf.run(log)
+    assert report.document["input"]["unit"] == "deg/s"
+    assert [c["name"] for c in report.channels] == list(log.names)
+    (tmp_path / "temp.csv").write_text("temp,gy\n" + "".join(f"{x},{-x}\n" for x in noise))
+    both = gyroakf.read(tmp_path / "temp.csv", column=[1, 2], unit="deg/s", rate=100)
+    assert [c["name"] for c in gyroakf.run(both).channels] == ["temp", "gy"]
     (tmp_path / "unknown.csv").write_text("gx\n" + "\n".join(map(str, noise)))
     unknown = gyroakf.run(gyroakf.read(tmp_path / "unknown.csv")).document["input"]
     assert unknown["rate_source"] == "none" and not unknown["unit"]
