@@ -6,8 +6,9 @@ from __future__ import annotations
 import html
 import json
 import os
+import re
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, cast
+from typing import Any, Dict, Iterable, List, Optional, cast
 
 import numpy as np
 
@@ -75,7 +76,7 @@ class Report(Result):
         return ax
 
 
-def run(data: Any, **options: Any) -> Report:
+def run(data: Any, *, progress: Optional[lib.Progress] = None, **options: Any) -> Report:
     """Do the whole job of the program: tests, models, filters and Allan deviation of every channel.
 
     It is the program ``gyroakf run`` that does it.
@@ -85,6 +86,9 @@ def run(data: Any, **options: Any) -> Report:
     data : path, Recording or array_like
         A file; or samples, of several channels in columns, which the report numbers, or in the
         fields of a structured array, which it names.
+    progress : callable, optional
+        Called as ``progress(stage, percent, 100)`` a few times a second; an exception that it
+        raises ends the run.
     **options
         Those of the program (``gyroakf run --help``), with ``_`` for ``-``: ``rate=100,
         unit="deg/s", drift_tau=10``; ``True``
@@ -147,19 +151,41 @@ def run(data: Any, **options: Any) -> Report:
             )
     with tempfile.TemporaryDirectory() as folder:
         document = os.path.join(folder, "run.json")
-        command = [lib.program(), "run", path, "--json", document, *arguments]
-        done = subprocess.run(
+        bar = ["--progress", "on" if progress else "off"]
+        command = [lib.program(), "run", path, "--json", document, *bar, *arguments]
+        screen = os.path.join(folder, "run.txt")
+        with open(screen, "wb") as file, subprocess.Popen(
             command,
             stdin=stdin or subprocess.DEVNULL,
-            capture_output=True,
-            env={**os.environ, "LC_ALL": "C.UTF-8"},
+            stdout=file,
+            stderr=subprocess.PIPE,
+            env={**os.environ, "LC_ALL": "C.UTF-8", "COLUMNS": "80"},
             encoding="utf-8",
             errors="replace",
-        )
-        if done.returncode or not os.path.exists(document):
-            raise _failure(done.returncode, done.stderr)
+        ) as process:
+            try:
+                said = _follow(cast(Iterable[str], process.stderr), progress)
+            except BaseException:
+                process.kill()
+                raise
+        if process.returncode or not os.path.exists(document):
+            raise _failure(process.returncode, said)
         with open(document, encoding="utf-8") as file:
-            return Report(json.load(file), done.stdout)
+            found = json.load(file)
+        with open(screen, encoding="utf-8") as file:
+            return Report(found, file.read())
+
+
+def _follow(lines: Iterable[str], progress: Optional[lib.Progress]) -> str:
+    """What the program says on standard error, without its progress, which is passed on."""
+    said = []
+    for line in lines:
+        bar = re.match(r"(.+?)  (?:\[[#.]+\] +(\d+) %|[\d.]+ .?B)", line)
+        if not bar:
+            said.append(line)
+        elif progress and bar[2]:
+            progress(bar[1], int(bar[2]), 100)
+    return "".join(said)
 
 
 def _failure(code: int, said: str) -> Exception:

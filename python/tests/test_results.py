@@ -183,6 +183,11 @@ def test_run_of_arrays_and_options(log, noise, tmp_path):
     (tmp_path / "unknown.csv").write_text("gx\n" + "\n".join(map(str, noise)))
     unknown = gyroakf.run(gyroakf.read(tmp_path / "unknown.csv")).document["input"]
     assert unknown["rate_source"] == "none" and not unknown["unit"]
+    long, told = np.tile(noise, 20), []
+    gyroakf.run(long, progress=lambda *stage: told.append(stage))
+    assert told and all(0 <= done <= total == 100 for _, done, total in told)
+    with pytest.raises(ZeroDivisionError):
+        gyroakf.run(long, progress=lambda *_: 1 / 0)
     with pytest.raises(gyroakf.UsageError, match="--no-such-option"):
         gyroakf.run(log, no_such_option=1)
     with pytest.raises(gyroakf.ParseError, match="does-not-exist"):
