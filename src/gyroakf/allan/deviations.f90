@@ -56,7 +56,7 @@ module gyroakf_allan_deviations
 
    !> What to compute
    type :: allan_options
-      !> Statistic: "adev", "oadev" (overlapping Allan deviation), "mdev", "tdev", "hdev", "ohdev"
+      !> The kind, "adev", "oadev" (overlapping Allan deviation), "mdev", "tdev", "hdev", "ohdev"
       !> or "totdev"
       character(8) :: kind = "oadev"
       !> Averaging times: "octave" (also when unallocated), "decade", "log:N", "all", or seconds

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> C: recordings of arrays of the caller. What the function promises is said in
+!> The C interface to recordings of arrays of the caller. What the function promises is said in
 !> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_arrays
    use, intrinsic :: iso_c_binding, only : c_ptr, c_funptr, c_int, c_int32_t, c_int64_t, &

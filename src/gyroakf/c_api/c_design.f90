@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> C: a filter of the program, made for a series. What the function promises is said in
-!> c_api/include/gyroakf.h.
+!> The C interface to a filter of the program, made for a series. What the function promises is
+!> said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_design
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double
    use gyroakf_kinds, only : dp, int64

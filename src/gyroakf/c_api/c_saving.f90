@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> C: filters put away and taken up again. What each function promises is said in
+!> The C interface to filters put away and taken up again. What each function promises is said in
 !> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_saving
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int64_t, c_associated, &

@@ -130,7 +130,7 @@ contains
          + phi)/share_of_means(phi, m)**2
    end subroutine process_of_samples
 
-   !> s: the root of what the covariance of the means at a lag is over that of the samples between
+   !> The root of what the covariance of the means at a lag is over that of the samples between
    !> the middles of the blocks.
    pure real(dp) function share_of_means(phi, m) result(share)
       !> 0 < phi < 1

@@ -11,8 +11,9 @@ module gyroakf_filter_drift_steady
 
    !> Newton's steps of a covariance
    integer, parameter :: newton_steps = 2
-   !> Doublings of a sum of powers at most, and what is left of L at the last of them
-   integer, parameter :: most_doublings = 64
+   !> Doublings of a sum of powers at most, before an eigenvalue of 1 that is rounded up runs away,
+   !> and what is left of L at the last of them
+   integer, parameter :: most_doublings = 52
    real(dp), parameter :: left = 1.0e-9_dp
 
 contains
@@ -111,9 +112,9 @@ contains
    !> $ R + L R L^T + L^2 R (L^2)^T + \dots $, by doubling.
    pure subroutine sum_powers(l, rest)
       !> [n, n]; a power of it afterwards
-      real(dp), intent(inout), contiguous :: l(:, :)
+      real(dp), intent(inout) :: l(:, :)
       !> Some R, the sums afterwards: [any, n, n]
-      real(dp), intent(inout), contiguous :: rest(:, :, :)
+      real(dp), intent(inout) :: rest(:, :, :)
       real(dp) :: half(size(rest, 1), size(l, 1), size(l, 1))
       integer :: i, j, n, round
 

@@ -129,7 +129,7 @@ contains
       stretch%samples = stretch%samples + size(z, kind=int64)
    end subroutine run_stretch
 
-   !> Hot: a step is $ e = z - \mathbf 1^T x, x \leftarrow \Phi (x + K e), g \leftarrow \Phi g -
+   !> Hot. A step is $ e = z - \mathbf 1^T x, x \leftarrow \Phi (x + K e), g \leftarrow \Phi g -
    !> \mathbf 1 (\Phi K)^T g $, which keeps the digits of a small K. The values v run ahead of the
    !> vectors.
    pure subroutine run_steps(n, with_g, filter, z, level, stretch)

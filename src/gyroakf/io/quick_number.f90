@@ -44,12 +44,17 @@ module gyroakf_io_quick_number
    !> The largest number before which eight more digits do not overflow
    integer(int64), parameter :: most_before_eight = 92233720367_int64
    !> With n digits more a number stays in 2^53 up to here
-   integer(int64), parameter :: exact_before(0:7) = [((2_int64**53 - ten(i) + 1)/ten(i), i=0, 7)]
+   integer(int64), parameter :: exact_before(0:7) = [9007199254740992_int64, &
+      900719925474098_int64, &
+      90071992547408_int64, 9007199254739_int64, 900719925473_int64, 90071992546_int64, &
+      9007199253_int64, 900719924_int64]
    !> 10^n as half(n) * 2^twos(n), and the largest number of which half(n) times it, and half of n
    !> digits more, does not overflow
    integer, parameter :: twos(0:7) = [0, (1, i=1, 7)]
    integer(int64), parameter :: half(0:7) = [(ten(i)/2**twos(i), i=0, 7)]
-   integer(int64), parameter :: most_before(0:7) = [((huge(half) - half(i) + 1)/half(i), i=0, 7)]
+   integer(int64), parameter :: most_before(0:7) = [9223372036854775807_int64, &
+      1844674407370955160_int64, 184467440737095515_int64, 18446744073709550_int64, &
+      1844674407370954_int64, 184467440737094_int64, 18446744073708_int64, 1844674407369_int64]
 
 contains
 

@@ -188,7 +188,7 @@ contains
    subroutine complete_writer(writer, error)
       !> Nothing more can be written; to be ended by [[commit_writer]] or [[discard_writer]]
       type(writer_type), intent(inout) :: writer
-      !> io: something could not be written (a full disk, a closed pipe); nothing is left of it
+      !> io where something could not be written (a full disk, a closed pipe); nothing is left of it
       type(error_type), allocatable, intent(out) :: error
 
       if (writer%unit < 0) return
@@ -203,7 +203,7 @@ contains
    subroutine commit_writer(writer, error)
       !> Closed afterwards
       type(writer_type), intent(inout) :: writer
-      !> io: something could not be written (a full disk, a closed pipe); no file appears
+      !> io where something could not be written (a full disk, a closed pipe); no file appears
       type(error_type), allocatable, intent(out) :: error
 
       call complete_writer(writer, error)

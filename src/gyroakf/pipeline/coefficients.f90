@@ -31,7 +31,7 @@ contains
       type(record_type), intent(in) :: record
       !> Options of the main job
       type(pipeline_options), intent(in) :: options
-      !> Component of [[gyroakf_pipeline_result:stage]]
+      !> Component of [[gyroakf_pipeline_allan_result:stage]]
       integer, intent(in) :: which
       !> `allan(which)` is filled
       type(channel_result_type), intent(inout) :: channel

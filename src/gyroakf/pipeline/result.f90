@@ -229,7 +229,7 @@ module gyroakf_pipeline_result
       real(dp), allocatable :: true_drift(:)
       !> 1 where it is known, 0 where it is not: [n]; unallocated: known everywhere
       integer(int8), allocatable :: true_drift_present(:)
-      !> By [[gyroakf_pipeline_result:stage]]
+      !> By [[gyroakf_pipeline_allan_result:stage]]
       type(allan_result_type), allocatable :: allan(:)
       !> Whether the curve of the record as read changed from its first to its second half
       type(halves_type) :: halves

@@ -150,7 +150,7 @@ contains
       type(pipeline_options), intent(in) :: options
       !> What came out
       type(pipeline_result_type), intent(in) :: result
-      !> io: a file cannot be written; no file of an earlier run is touched then, unless a rename
+      !> io if a file cannot be written; no file of an earlier run is touched then, unless a rename
       !> failed; no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Form of the series; series.csv if absent

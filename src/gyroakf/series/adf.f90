@@ -183,6 +183,7 @@ contains
       type(trend_type), intent(out) :: trend
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      real(dp), allocatable :: few(:)
       integer(int8), allocatable :: here(:)
       integer(int64) :: n, stride, count
 
@@ -192,7 +193,8 @@ contains
          count = (n - 1)/stride + 1
          allocate (here(count), source=1_int8)
          if (present(valid)) here(:) = valid(::stride)
-         call fit_trend(x(::stride), degree, trend, error, here)
+         few = x(::stride)
+         call fit_trend(few, degree, trend, error, here)
          trend%samples = (count - 1)*stride + 1
          if (.not. allocated(error)) return
          deallocate (error)                                  ! too few of them are present
