@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The C interface to outliers, and the series without them and its trend. What the functions promise
-!> is said in c_api/include/gyroakf.h.
+!> The C interface to outliers, and the series without them and its trend. What the functions
+!> promise is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_outliers
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int32_t, c_int64_t, &
       & c_double, c_size_t, c_null_ptr, c_associated, c_f_pointer, c_sizeof
