@@ -147,7 +147,7 @@ contains
          call demand(error, within(o%missing, 0.0_dp, 1 - epsilon(n)), &
             "share of missing samples must be >= 0 and < 1")
          call demand(error, all_within(o%ar, -largest, largest), "AR coefficients must be finite")
-         call demand(error, has_ar .or. .not. o%ar_variance > 0, &
+         if (.not. allocated(error)) call demand(error, has_ar .or. .not. o%ar_variance > 0, &
             "a variance of the AR process needs its coefficients")
          call demand(error, all_within(o%trend, -largest, largest), &
             "trend coefficients must be finite numbers")
@@ -166,8 +166,8 @@ contains
       call demand(error, all(within(o%contamination, 0.0_dp, [1.0_dp, largest])), &
          "contamination must be a share of 0 .. 1 and a size >= 0")
       call demand(error, within(o%warm_up(1), -largest, largest), "warm-up must have finite size")
-      call demand(error, .not. abs(o%warm_up(1)) > 0 .or. within(o%warm_up(2), least, largest), &
-         "the time constant of a warm-up must be > 0 s")
+      if (.not. allocated(error)) call demand(error, .not. abs(o%warm_up(1)) > 0 &
+         .or. within(o%warm_up(2), least, largest), "the time constant of a warm-up must be > 0 s")
       call demand(error, all(within(o%motion, 0.0_dp, [1.0e9_dp, largest, largest, largest])), &
          "motion must be 0 to 1e9 bursts, a height and a length > 0, and an end")
       if (.not. allocated(error)) call demand(error, .not. (abs(modulo(o%motion(1), 1.0_dp)) > 0 &
