@@ -7,7 +7,7 @@
 !> ends of a stretch without gaps, is set to 0 before it is summed: sums go over everything.
 module gyroakf_ar_burg
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_chunks, only : chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
@@ -80,13 +80,15 @@ contains
       integer :: m, chunk, stat
 
       n = size(x, kind=int64)
-      allocate (burg%reflection(order), burg%variance(0:order), burg%residual_variance(0:order), &
-         & burg%rows(0:order), burg%r(0:order))
-      allocate (burg%phi(order, order), stat=stat)
+      allocate (burg%reflection(order), stat=stat)
+      if (stat == 0) allocate (burg%variance(0:order), stat=stat)
+      if (stat == 0) allocate (burg%residual_variance(0:order), stat=stat)
+      if (stat == 0) allocate (burg%rows(0:order), stat=stat)
+      if (stat == 0) allocate (burg%r(0:order), stat=stat)
+      if (stat == 0) allocate (burg%phi(order, order), stat=stat)
       if (stat == 0) allocate (lattice%f(n), stat=stat)
       if (stat == 0) allocate (lattice%b(n), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the residuals of Burg's recursion, 16 bytes a sample")
+      call check_memory(stat, "the residuals of Burg's recursion, 16 bytes a sample", error)
       if (allocated(error)) return
       burg%phi = 0.0_dp
       burg%reflection = 0.0_dp

@@ -202,19 +202,21 @@ contains
       type(field_type), intent(in) :: field
       real(dp), intent(inout), contiguous :: value(:)
       integer(int64), intent(inout) :: rounded
-      integer(int64), allocatable, target :: packed(:)
+      integer(int64), target :: packed(1024)
       integer(int8), pointer, contiguous :: row(:, :), number(:, :)
-      integer(int64) :: i, n
+      integer(int64) :: i, n, before
 
-      n = size(value, kind=int64)
-      allocate (packed(n))
-      call c_f_pointer(address, row, [int(row_bytes, int64), n])
-      call c_f_pointer(c_loc(packed), number, [int(field%bytes, int64), n])
-      do i = 1, n
-         number(:, i) = row(field%offset + 1:field%offset + field%bytes, i)
+      call c_f_pointer(address, row, [int(row_bytes, int64), size(value, kind=int64)])
+      call c_f_pointer(c_loc(packed), number, [int(field%bytes, int64), size(packed, kind=int64)])
+      do before = 0, size(value, kind=int64) - 1, size(packed, kind=int64)
+         n = min(size(packed, kind=int64), size(value, kind=int64) - before)
+         do i = 1, n
+            number(:, i) = row(field%offset + 1:field%offset + field%bytes, before + i)
+         end do
+         call swap_elements(c_loc(packed), n, field%element_type)
+         call convert_elements(c_loc(packed), field%element_type, 1_int64, 1_int64, &
+            value(before + 1:before + n), rounded)
       end do
-      call swap_elements(c_loc(packed), n, field%element_type)
-      call convert_elements(c_loc(packed), field%element_type, 1_int64, 1_int64, value, rounded)
    end subroutine take_field
 
    !> The error for numbers that end within a row.

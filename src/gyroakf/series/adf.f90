@@ -3,7 +3,7 @@
 module gyroakf_series_adf
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_stats_trend, only : trend_type
    use gyroakf_stats_autocovariance, only : autocovariance_type, check_series
@@ -186,14 +186,19 @@ contains
       real(dp), allocatable :: few(:)
       integer(int8), allocatable :: here(:)
       integer(int64) :: n, stride, count
+      integer :: stat
 
       n = size(x, kind=int64)
       if (n > all_up_to .and. degree >= 0) then
          stride = n/rough_samples
          count = (n - 1)/stride + 1
-         allocate (here(count), source=1_int8)
+         allocate (few(count), stat=stat)
+         if (stat == 0) allocate (here(count), stat=stat)
+         call check_memory(stat, "the rough trend", error)
+         if (allocated(error)) return
+         few(:) = x(::stride)
+         here(:) = 1_int8
          if (present(valid)) here(:) = valid(::stride)
-         few = x(::stride)
          call fit_trend(few, degree, trend, error, here)
          trend%samples = (count - 1)*stride + 1
          if (.not. allocated(error)) return
