@@ -52,6 +52,11 @@ files 'src/*.f90' | each awk '
   got == "" && /^ *(module|submodule *\([^)]*\)) +[A-Za-z0-9_]+ *(!.*)?$/ { sub(/ *(!.*)?$/, ""); sub(/.* /, ""); got = $0 }
   END { judge() }' | rule "a module is named after its path"
 
+files 'src/*.f90' 'app/*.f90' | each awk '
+  /^ *!>/ { if (empty && FNR > 2) print FILENAME ":" FNR; empty = 0; doc = 1; next }
+  /^ *$/ { empty = doc; next }
+  { empty = doc = 0 }' | rule "no empty line within a doc comment: FORD loses what stands before it"
+
 # to the compiler a module and a C function are of one name space: gfortran calls the wrong one
 comm -12 <(files 'src/*.f90' | sed 's/^src\///; s/\.f90$//; s/\//_/g' | sort -u) \
   <(files 'src/*.f90' | each sed -nE 's/.*bind *\(C, *name *= *"([^"]*)".*/\1/p' | sort -u) |

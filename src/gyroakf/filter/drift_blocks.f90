@@ -8,7 +8,6 @@
 !> $$ \gamma_l = D\,s^2 \phi^{ml}, \quad s = \frac{\sinh(m/2T)}{m\,\sinh(1/2T)}, \quad
 !>    T = -1/\ln\phi, \quad \gamma_0 = D\,V = \frac{D}{m} \left( \frac{1+\phi}{1-\phi}
 !>    - \frac{2 \phi (1 - \phi^m)}{m (1-\phi)^2} \right) $$
-
 !> and the white noise of the means is
 !> $$ R' = \frac{r}{m} + \sum_i D_i (V_i - s_i^2) - \frac{q}{6} \left( m - \frac1m \right) $$
 !> where a process much faster than a block enters with D V alone.

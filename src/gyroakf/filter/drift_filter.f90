@@ -5,7 +5,6 @@
 !>     call new_drift_filter(filter, model, slow, options, error)
 !>     do k = 1, n
 !>        call step_filter(filter, z(k), drift)   ! no allocation; NaN: no measurement
-
 !>     end do
 !>
 !> $$ x_{i,k} = \phi_i x_{i,k-1} + w_{i,k}, \quad z_k = \sum_i x_{i,k} + v_k, \quad

@@ -4,7 +4,6 @@
 !>     call identify_drift_model(z, drift_identification_options(), identification, error)
 !>     if (identification%found) call new_drift_filter(filter, identification%model, &
 !>        identification%slow(:identification%model%count), options, error)
-
 !>
 !> The candidates of [[fit_drift]] (random walk, AR(1), both, each with white noise) are fitted to
 !> the middle part of the record and compared ([[gyroakf_filter_drift_choice]]). A drift whose

@@ -5,7 +5,6 @@
 !>     call new_filter(filter, phi, q, r, options, error)
 !>     do k = 1, n
 !>        call step_filter(filter, z(k), x)   ! no allocation; NaN: no measurement
-
 !>     end do
 !>
 !> The model is x_k = phi_1 x_{k-1} + ... + phi_p x_{k-p} + w_k, z_k = x_k + v_k, with E(w) = q,

@@ -11,7 +11,6 @@
 !> $$ -2 \ln L = n \ln 2\pi S + \tfrac1S \sum e_k^2 + \ln \det (I + G D) - b^T \hat d, \quad
 !>    \hat d = (D^{-1} + G)^{-1} b, \quad G = \tfrac1S \sum g_k g_k^T, \quad
 !>    b = \tfrac1S \sum g_k e_k $$
-
 !> and the state behind it is that of the filter plus $ L^n \hat d $. Of a random walk that is not
 !> known d is flat: no $ D^{-1} $.
 !>

@@ -8,7 +8,6 @@
 !> $$ \rho_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T \rho_k + \mathbf 1\, e_k/S_k \big], \quad
 !>    N_{k-1} = \Phi^T \big[ (I - K \mathbf 1^T)^T N_k (I - K \mathbf 1^T)
 !>    + \mathbf 1 \mathbf 1^T/S_k \big] \Phi $$
-
 !> without an inverse of a covariance. The filter's states are kept at the beginnings of about
 !> sqrt(n) blocks and recomputed within a block: two forward passes and one backward, exact, memory
 !> O(sqrt n).
