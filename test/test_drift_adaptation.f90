@@ -5,8 +5,7 @@ module test_drift_adaptation
    use gyroakf_kinds, only : dp
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter, run_filter, freeze_filter
-   use drift_filter_cases, only : adaptive, not_made, make_data, some_model
-   use filter_library, only : make_series
+   use filter_library, only : adaptive, make_data, make_series, not_made, some_model
    use expectations, only : test, error, check
    implicit none (type, external)
    private

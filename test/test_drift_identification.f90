@@ -8,7 +8,7 @@ module test_drift_identification
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
-   use filter_library, only : fill_noise, make_series, paper_phi
+   use filter_library, only : add_walk, fill_noise, make_series, paper_phi
    implicit none (type, external)
    private
    public :: suite_drift_identification
@@ -39,24 +39,6 @@ contains
       call test("refused", test_refused)
    end subroutine suite_drift_identification
 
-   !> A random walk is added to a series.
-   subroutine add_walk(seed, step, z)
-      integer, intent(in) :: seed
-      real(dp), intent(in) :: step
-      real(dp), intent(inout), contiguous :: z(:)
-      real(dp), allocatable :: w(:)
-      real(dp) :: level
-      integer :: i
-
-      allocate (w(size(z)))
-      call fill_noise(seed + 50000, w)
-      level = 0.0_dp
-      do i = 1, size(z)
-         level = level + step*w(i)
-         z(i) = z(i) + level
-      end do
-   end subroutine add_walk
-
    !> Case C1 of the comparison.
    subroutine test_ar1()
       type(drift_identification_type) :: found
@@ -85,7 +67,7 @@ contains
          do seed = 1, 3
             truth = component_model_type(r=1.0_dp)
             call make_series(100*kind + seed, 0.9_dp, merge(0.0_dp, 0.6_dp, kind == 1), 1.0_dp, z)
-            if (kind /= 2) call add_walk(100*kind + seed, 0.03_dp, z)
+            if (kind /= 2) call add_walk(50000 + 100*kind + seed, 0.03_dp, z)
             call identify_drift_model(z, drift_identification_options(), found, failed)
             if (unmet(.not. allocated(failed) .and. found%found .and. found%errors_known)) return
             n = found%model%count
@@ -115,7 +97,7 @@ contains
       total = 0.0_dp
       do seed = 1, 20
          call fill_noise(500 + seed, z)
-         call add_walk(500 + seed, 0.1_dp, z)
+         call add_walk(50500 + seed, 0.1_dp, z)
          call identify_drift_model(z, drift_identification_options(), found, failed)
          if (unmet(.not. allocated(failed) .and. found%found .and. found%slow(found%model%count))) return
          associate (fit => found%candidate(1))
@@ -174,7 +156,7 @@ contains
       call identify_drift_model(z, drift_identification_options(drift_samples=8.0_dp), found, failed)
       call check(error, .not. found%found .and. found%model%count == 1)
       call check(error, abs(found%model%phi(1) - exp(-1/5.6_dp)) <= 4*found%std_error%phi(1))
-      call add_walk(71, 0.05_dp, z)
+      call add_walk(50071, 0.05_dp, z)
       call identify_drift_model(z, drift_identification_options(drift_samples=1.0e6_dp), found, failed)
       call check(error, found%found .and. found%name == "walk+ar1" .and. all(found%slow(:2) .eqv. [.false., .true.]))
       call check(error, found%drift_std, sqrt(found%model%q(2)), thr=1.0e-12_dp, rel=.true.)

@@ -4,9 +4,10 @@ module test_kalman
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_positive_inf, ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
+   use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_filter_state_space, only : stationary_covariance
-   use filter_library, only : fill_noise, make_series, dense_filter, dense_gaussian, paper_phi
+   use filter_library, only : fill_noise, make_series, dense_drift, dense_filter, dense_likelihood, paper_phi
    use expectations, only : failure => problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private
@@ -196,28 +197,28 @@ contains
    !> N = 50 with samples lost: the likelihood from the innovations, and the last estimate, against the Gaussian
    !> vector of the samples that are there
    subroutine test_dense_gaussian()
+      type(component_model_type) :: model
       type(filter_type) :: filter
       real(dp), parameter :: phi = 0.95_dp, d = 2.0_dp, r = 3.0_dp
-      real(dp) :: z(50), x, likelihood, expected, mean
-      integer :: k, n, time(50)
+      real(dp), dimension(50) :: z, mean, variance
+      real(dp) :: x, likelihood
+      integer :: k
       logical :: here(50)
 
       call make_series(7, phi, d, r, z)
       here = [(mod(k, 6) /= 0 .and. abs(k - 30) > 3, k=1, 50)]
-      n = count(here)
-      time(:n) = pack([(k, k=1, 50)], here)
-      call dense_gaussian(phi, d, r, time(:n), pack(z, here), expected, mean)
+      model = component_model_type(1, [phi, 0.0_dp, 0.0_dp], [d*(1 - phi**2), 0.0_dp, 0.0_dp], r)
+      call dense_drift(model, [.true.], z, here, spread(r, 1, 50), mean, variance)
       call make([phi], d*(1 - phi**2), r, filter)
       if (allocated(error)) return
-      likelihood = -0.5_dp*n*log(6.283185307179586_dp)
+      likelihood = -0.5_dp*count(here)*log(6.283185307179586_dp)
       do k = 1, 50
-         if (.not. here(k)) z(k) = ieee_value(1.0_dp, ieee_quiet_nan)
-         call step_filter(filter, z(k), x)
+         call step_filter(filter, merge(z(k), ieee_value(1.0_dp, ieee_quiet_nan), here(k)), x)
          if (here(k)) likelihood = likelihood - 0.5_dp*(log(filter%innovation_variance) &
                                                         + filter%innovation**2/filter%innovation_variance)
       end do
-      call check(error, likelihood, expected, thr=1.0e-12_dp, rel=.true.)
-      call check(error, x, mean, thr=1.0e-12_dp)
+      call check(error, likelihood, dense_likelihood(model, z, here), thr=1.0e-12_dp, rel=.true.)
+      call check(error, x, mean(50), thr=1.0e-12_dp)
    end subroutine test_dense_gaussian
 
    !> A series a thousand times larger, variances a million times: the output a thousand times larger

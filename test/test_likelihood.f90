@@ -7,13 +7,11 @@ module test_likelihood
    use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
-   use gyroakf_lapack, only : dpotrf
-   use filter_library, only : fill_noise, make_series
+   use filter_library, only : dense_likelihood, fill_noise, make_series
    implicit none (type, external)
    private
    public :: suite_likelihood
 
-   real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
    !> Rounding of a dense Cholesky factorisation of 50 samples
    real(dp), parameter :: dense = 1.0e-11_dp
 
@@ -46,56 +44,6 @@ contains
       mixture%phi(3) = 1.0_dp
       mixture%q(3) = 0.02_dp
    end function mixture
-
-   !> Log-likelihood of the present samples by a factorisation of their covariance; with a random walk of their differences,
-   !> to which the first one adds nothing.
-   real(dp) function dense_likelihood(model, z, here) result(value)
-      type(component_model_type), intent(in) :: model
-      real(dp), intent(in) :: z(:)
-      logical, intent(in) :: here(:)
-      real(dp), allocatable :: a(:, :), y(:), d(:, :)
-      integer, allocatable :: at(:)
-      integer :: i, j, k, n, info
-      logical :: walk
-
-      at = pack([(i, i=1, size(z))], here)
-      n = size(at)
-      walk = any(model%phi(:model%count) >= 1.0_dp)
-      allocate (a(n, n))
-      a = 0.0_dp
-      do k = 1, model%count
-         do j = 1, n
-            do i = 1, n
-               if (model%phi(k) >= 1.0_dp) then
-                  a(i, j) = a(i, j) + model%q(k)*(min(at(i), at(j)) - at(1))
-               else
-                  a(i, j) = a(i, j) + model%q(k)/(1.0_dp - model%phi(k)**2)*model%phi(k)**abs(at(i) - at(j))
-               end if
-            end do
-         end do
-      end do
-      do i = 1, n
-         a(i, i) = a(i, i) + model%r
-      end do
-      y = z(at)
-      if (walk) then                                       ! z_i - z_1: a unit matrix after a column of -1
-         d = a(2:, 2:)
-         do j = 2, n
-            do i = 2, n
-               d(i - 1, j - 1) = a(i, j) - a(1, j) - a(i, 1) + a(1, 1)
-            end do
-         end do
-         y = y(2:) - y(1)
-         call move_alloc(d, a)
-         n = n - 1
-      end if
-      call dpotrf("L", n, a, n, info)
-      value = -0.5_dp*n*log_two_pi
-      do i = 1, n
-         y(i) = (y(i) - dot_product(a(i, :i - 1), y(:i - 1)))/a(i, i)
-         value = value - log(a(i, i)) - 0.5_dp*y(i)**2
-      end do
-   end function dense_likelihood
 
    !> Normal numbers.
    function normal_series(n, seed) result(z)
