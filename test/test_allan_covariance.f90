@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the analytic covariance of Allan variances, against the sum over every lag in quadruple precision.
+!> Tests of the analytic covariance of Allan variances, against the sum over every lag in quadruple precision, and
+!> of the five noise terms, against numbers from the literature.
 module test_allan_covariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use, intrinsic :: iso_fortran_env, only : qp => real128
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_fit_covariance, only : covariance_basis, mixture_covariances, mixture_freedom
    use expectations, only : test, error, check
+   use gyroakf_allan_noise_model, only : model_variance
    implicit none (type, external)
    private
-   public :: suite_allan_covariance
+   public :: suite_allan_covariance, suite_allan_noise_model
 
    !> Samples, factors
    integer(int64), parameter :: samples = 200, factors(5) = [1, 3, 16, 60, 100]
@@ -27,6 +29,10 @@ contains
       call test("known_freedom", test_known_freedom)
       call test("huge_record", test_huge_record)
    end subroutine suite_allan_covariance
+
+   subroutine suite_allan_noise_model()
+      call test("terms", test_terms)
+   end subroutine suite_allan_noise_model
 
    !> Fails unless the matrix agrees with the full sums.
    subroutine compare(squares, allowed)
@@ -157,5 +163,19 @@ contains
          end do
       end do
    end subroutine test_huge_record
+
+   subroutine test_terms()
+      ! IEEE Std 952, annex C, at tau = 4: 3 Q^2/tau^2, N^2/tau, (2 ln 2/pi) B^2 with sqrt(2 ln 2/pi) = 0.664282...,
+      ! K^2 tau/3, R^2 tau^2/2
+      real(dp), parameter :: expected(5) = [0.1875_dp, 0.25_dp, 0.44127120030530298_dp, 4.0_dp/3, 8.0_dp]
+      real(dp) :: squares(5)
+      integer :: i
+
+      do i = 1, 5
+         squares = 0
+         squares(i) = 1
+         call check(error, model_variance(squares, 4.0_dp), expected(i), thr=1.0e-14_dp, rel=.true.)
+      end do
+   end subroutine test_terms
 
 end module test_allan_covariance

@@ -4,7 +4,7 @@ module test_drift_identification
    use expectations, only : unmet, failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_progress, only : progress_type
+   use progress_watch, only : watch_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
@@ -12,15 +12,6 @@ module test_drift_identification
    implicit none (type, external)
    private
    public :: suite_drift_identification
-
-   !> Has enough after so many calls
-   type, extends(progress_type) :: patience_type
-      integer :: calls = 0, enough = 0
-      integer(int64) :: last = 0
-      logical :: fell = .false.
-   contains
-      procedure :: advance
-   end type patience_type
 
 contains
 
@@ -255,20 +246,20 @@ contains
       call check(error, -means%r, 8*(1 - 1/256.0_dp)/6 - 30.0_dp/16, thr=1.0e-12_dp, rel=.true.)
    end subroutine test_means
 
-   !> Whoever has enough is heard at the next evaluation.
+   !> A cancellation takes effect at the next evaluation.
    subroutine test_cancelled()
       type(drift_identification_type) :: found
-      type(patience_type) :: patience
+      type(watch_type) :: watch
       real(dp) :: z(2000)
 
       call make_series(95, 0.9_dp, 1.0_dp, 1.0_dp, z)
-      patience%enough = 30
-      call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
+      watch%last_call = 30
+      call identify_drift_model(z, drift_identification_options(), found, failed, progress=watch)
       call check_refused(failed, status%cancelled)
-      call check(error, patience%calls, 30)
-      patience = patience_type(enough=1000000)
-      call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
-      call check(error, .not. (allocated(failed) .or. patience%fell))
+      call check(error, watch%calls, 30)
+      watch = watch_type()
+      call identify_drift_model(z, drift_identification_options(), found, failed, progress=watch)
+      call check(error, .not. allocated(failed) .and. watch%ordered .and. watch%stage == "identifying")
    end subroutine test_cancelled
 
    subroutine test_refused()
@@ -286,18 +277,5 @@ contains
       call identify_drift_model(z, drift_identification_options(), found, failed)
       call check_refused(failed, status%constant_input)
    end subroutine test_refused
-
-   !> Counts, and ends it.
-   subroutine advance(self, stage, done, total, cancel)
-      class(patience_type), intent(inout) :: self
-      character(*), intent(in) :: stage
-      integer(int64), intent(in) :: done, total
-      logical, intent(out) :: cancel
-
-      self%calls = self%calls + 1
-      self%fell = self%fell .or. done < self%last .or. done > total .or. stage /= "identifying"
-      self%last = done
-      cancel = self%calls >= self%enough
-   end subroutine advance
 
 end module test_drift_identification
