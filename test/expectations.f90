@@ -179,7 +179,6 @@ contains
 
    !> Fails unless the library refused, with this code.
    subroutine check_refused(said, code)
-      !> What the library said
       type(gyro_error), allocatable, intent(in) :: said
       !> What it should have said, one of `status`
       integer, intent(in) :: code
@@ -191,7 +190,6 @@ contains
 
    !> Whether the test has failed; it fails where the library says that something is wrong.
    logical function went_wrong(said, what)
-      !> What the library said
       type(gyro_error), allocatable, intent(in) :: said
       !> Which case it is
       character(*), intent(in), optional :: what

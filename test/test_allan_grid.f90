@@ -20,11 +20,7 @@ module test_allan_grid
 contains
 
    subroutine suite_allan_grid()
-      call test("octave", test_octave)
-      call test("decade", test_decade)
-      call test("logarithmic", test_logarithmic)
-      call test("all", test_all)
-      call test("seconds", test_seconds)
+      call test("factors", test_factors)
       call test("huge_record", test_huge_record)
       call test("failures", test_failures)
    end subroutine suite_allan_grid
@@ -40,13 +36,10 @@ contains
 
    !> Fails unless the factors are the expected ones.
    subroutine expect(taus, samples, interval, expected)
-      !> What is asked
       character(*), intent(in) :: taus
       integer, intent(in) :: samples
       real(dp), intent(in) :: interval
-      !> The answer
       integer, intent(in) :: expected(:)
-
       integer(int64), allocatable :: m(:)
 
       call averaging_factors(taus, int(samples, int64), interval, m, failure)
@@ -55,30 +48,18 @@ contains
       call check(error, all(m == expected), taus//": a factor differs")
    end subroutine expect
 
-   subroutine test_octave()
+   subroutine test_factors()
       call expect("octave", 2, 1.0_dp, [1])
       call expect("octave", 15, 1.0_dp, [1, 2, 4])
       call expect("octave", 16, 1.0_dp, [1, 2, 4, 8])
-   end subroutine test_octave
-
-   subroutine test_decade()
       call expect("decade", 199, 1.0_dp, [1, 2, 5, 10, 20, 50])
       call expect("decade", 200, 1.0_dp, [1, 2, 5, 10, 20, 50, 100])
-   end subroutine test_decade
-
-   subroutine test_logarithmic()
       call expect("log:1", 2000, 1.0_dp, [1, 10, 100, 1000])
       call expect("log:5", 100, 1.0_dp, [1, 2, 3, 4, 6, 10, 16, 25, 40])
-   end subroutine test_logarithmic
-
-   subroutine test_all()
       call expect("all", 9, 1.0_dp, [1, 2, 3, 4])
-   end subroutine test_all
-
-   subroutine test_seconds()
       call expect("1,0.1, 10,1,0.14,1e3", 1000, 0.1_dp, [1, 10, 100])
       call expect("0.2", 4, 0.1_dp, [2])
-   end subroutine test_seconds
+   end subroutine test_factors
 
    subroutine test_huge_record()
       integer(int64), allocatable :: m(:)
@@ -109,12 +90,9 @@ contains
 
    !> Fails unless the degrees of freedom agree.
    subroutine expect_freedom(m, alpha, difference, modified, overlapped, expected)
-      !> What is asked
       integer, intent(in) :: m, alpha, difference
       logical, intent(in) :: modified, overlapped
-      !> The answer
       real(dp), intent(in) :: expected
-
       real(dp) :: edf
       character(80) :: text
 

@@ -172,9 +172,7 @@ contains
    pure real(dp) function direct(x, valid, k)
       !> Series, its mean removed
       real(dp), intent(in) :: x(:)
-      !> 1 present, 0 missing
       integer(int8), intent(in) :: valid(:)
-      !> Lag
       integer, intent(in) :: k
       real(dp) :: n, m
 

@@ -37,11 +37,8 @@ contains
 
    !> Fails where the cleaning did, or where it marked other samples than these.
    subroutine marks_are(result, problem, expected)
-      !> The result
       type(clean_type), intent(in) :: result
-      !> What the library said
       type(gyro_error), allocatable, intent(in) :: problem
-      !> 1-based indices
       integer, intent(in) :: expected(:)
 
       if (went_wrong(problem)) return
@@ -302,13 +299,9 @@ contains
 
    !> Fails unless the cleaning is refused with the code.
    subroutine refused(x, options, code, valid)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Options
       type(clean_options), intent(in) :: options
-      !> Expected
       integer, intent(in) :: code
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: cleaned(:)
       integer(int8), allocatable :: mask(:)

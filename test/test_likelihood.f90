@@ -18,12 +18,7 @@ module test_likelihood
 contains
 
    subroutine suite_likelihood()
-      call test("ar1-dense", test_ar1_dense)
-      call test("three-dense", test_three_dense)
-      call test("walk-dense", test_walk_dense)
-      call test("slow-dense", test_slow_dense)
-      call test("gaps-dense", test_gaps_dense)
-      call test("late-start", test_late_start)
+      call test("dense", test_dense)
       call test("gradient", test_gradient)
       call test("steady", test_steady)
       call test("maximum", test_maximum)
@@ -66,60 +61,27 @@ contains
       call check(error, value, dense_likelihood(model, z, here), thr=dense, rel=.true.)
    end subroutine compare
 
-   subroutine test_ar1_dense()
-      type(component_model_type) :: model
-      logical :: here(50)
-
-      model%count = 1
-      model%phi(1) = 0.9_dp
-      model%q(1) = 0.4_dp
-      model%r = 1.5_dp
-      here = .true.
-      call compare(model, normal_series(50_int64, 3), here)
-   end subroutine test_ar1_dense
-
-   subroutine test_three_dense()
-      logical :: here(50)
-
-      here = .true.
-      call compare(mixture(.false.), normal_series(50_int64, 4), here)
-   end subroutine test_three_dense
-
-   subroutine test_walk_dense()
-      logical :: here(50)
-
-      here = .true.
-      call compare(mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here)
-   end subroutine test_walk_dense
-
-   !> A filter that needs thousands of samples to come to rest is not taken as being there after some hundred.
-   subroutine test_slow_dense()
+   !> One to three processes, samples missing, also before the first measurement; a filter that needs thousands of samples to come
+   !> to rest is not taken as being there after some hundred.
+   subroutine test_dense()
       type(component_model_type) :: model
       logical :: here(400)
 
+      here = .true.
+      model = component_model_type(1, [0.9_dp, 0.0_dp, 0.0_dp], [0.4_dp, 0.0_dp, 0.0_dp], 1.5_dp)
+      call compare(model, normal_series(50_int64, 3), here(:50))
+      call compare(mixture(.false.), normal_series(50_int64, 4), here(:50))
+      call compare(mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here(:50))
       model = mixture(.true.)
       model%q(3) = 1.0e-6_dp
-      here = .true.
       call compare(model, normal_series(400_int64, 15), here)
-   end subroutine test_slow_dense
-
-   subroutine test_gaps_dense()
-      logical :: here(50)
-
-      here = .true.
       here([2, 3, 17, 30, 31, 32, 50]) = .false.
-      call compare(mixture(.true.), normal_series(50_int64, 6), here)
-      call compare(mixture(.false.), normal_series(50_int64, 6), here)
-   end subroutine test_gaps_dense
-
-   !> Samples are missing before the first measurement.
-   subroutine test_late_start()
-      logical :: here(50)
-
-      here = .true.
+      call compare(mixture(.true.), normal_series(50_int64, 6), here(:50))
+      call compare(mixture(.false.), normal_series(50_int64, 6), here(:50))
+      here(:50) = .true.
       here(:9) = .false.
-      call compare(mixture(.true.), normal_series(50_int64, 8), here)
-   end subroutine test_late_start
+      call compare(mixture(.true.), normal_series(50_int64, 8), here(:50))
+   end subroutine test_dense
 
    !> Against central differences, with gaps and a random walk.
    subroutine test_gradient()

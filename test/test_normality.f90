@@ -77,9 +77,7 @@ contains
 
    !> Moments and test of a series that has both.
    subroutine run(x, jb)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> The test
       type(jarque_bera_type), intent(out) :: jb
       type(moments_type) :: moments
 
@@ -182,13 +180,9 @@ contains
 
    !> The test of a series; -1 where it fails.
    subroutine run_anderson(x, result, valid, most)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> The test
       type(anderson_darling_type), intent(out) :: result
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      !> Largest number of samples
       integer(int64), intent(in), optional :: most
       type(anderson_darling_options) :: options
 

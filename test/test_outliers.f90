@@ -51,9 +51,7 @@ contains
 
    !> Checks one median.
    subroutine middle_is(x, expected)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Its median
       real(dp), intent(in) :: expected
       real(dp) :: median
 

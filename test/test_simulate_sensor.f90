@@ -253,10 +253,10 @@ contains
 
       options%samples = 20000
       options%coefficient(2) = 1
-      x = values_disturbed(options)
+      x = values(options)
       deviation = sqrt(sum((x - sum(x)/20000)**2)/19999)
       options%contamination = [0.1_dp, 12.0_dp]
-      y = (values_disturbed(options) - x)/deviation
+      y = (values(options) - x)/deviation
       call check(error, count(abs(y) > 0), 2000)
       call check(error, all(abs(y) <= 0 .or. (abs(y) > 3.999_dp .and. abs(y) < 12.001_dp)), "sizes")
       call check(error, sum(abs(y))/2000, 8.0_dp, thr=4.5_dp*8/sqrt(12*2000.0_dp))
@@ -271,10 +271,10 @@ contains
 
       options%samples = 200
       options%warm_up = [-3.0_dp, 8.0_dp]
-      x = values_disturbed(options)
+      x = values(options)
       call check(error, maxval(abs(x + 3*exp(-[(i/40.0_dp, i=0, 199)]))) < 1.0e-13_dp)
       options%lowpass_hz = 1
-      x = values_disturbed(options)
+      x = values(options)
       call check(error, x(1), -3.0_dp, thr=0.05_dp)
    end subroutine test_warm_up
 
@@ -288,16 +288,16 @@ contains
       options%motion = [1.0_dp, 2.0_dp, 5.0_dp, 40.0_dp]
       do i = 1, 20
          options%seed = i
-         x = values_disturbed(options)
+         x = values(options)
          first = findloc(abs(x) > 0, .true., dim=1)
          call check(error, first + 24 <= 200 .and. count(abs(x) > 0) == 25, "place and length")
          call check(error, sum(abs(x)), 2/sin(pi/50), thr=1.0e-12_dp, more="half sine")
       end do
       options%motion = [200.0_dp, 2.0_dp, 0.2_dp, 0.0_dp]
-      x = values_disturbed(options)
+      x = values(options)
       call check(error, any(x > 1) .and. any(x < -1) .and. any(abs(x(801:)) > 0), "signs, whole record")
       options%motion = [1.0_dp, 2.0_dp, 1.0e9_dp, 0.0_dp]
-      x = values_disturbed(options)
+      x = values(options)
       call check(error, maxval(abs(x)) < 1.0e-4_dp .and. all(abs(x) > 0), "longer than the record")
    end subroutine test_motion
 
@@ -308,13 +308,13 @@ contains
 
       options%samples = 400000
       options%markov = [0.5_dp, 2.0_dp]
-      x = values_disturbed(options)
+      x = values(options)
       call check(error, sum(x**2)/size(x), 0.25_dp, thr=0.03_dp, rel=.true.)
       if (allocated(error)) return
       call check(error, sum(x(11:)*x(:399990))/size(x), 0.25_dp*exp(-1.0_dp), thr=0.01_dp)
       if (allocated(error)) return
       options%markov = [0.5_dp, 2.0_dp, 3.0_dp, 0.1_dp]
-      y = values_disturbed(options) - x
+      y = values(options) - x
       call check(error, sum(y**2)/size(y), 9.0_dp, thr=0.03_dp, rel=.true.)
       if (allocated(error)) return
       call check(error, abs(sum(x*y))/size(x) < 0.02_dp, "independent")
@@ -336,7 +336,7 @@ contains
       within = 0
       do k = 1, records
          options%seed = k
-         x = values_disturbed(options)
+         x = values(options)
          power = power + sum(x**2)/n/records
          do j = ceiling((hz - width/2)*n/rate), floor((hz + width/2)*n/rate)
             f = j/real(n, dp)
@@ -401,15 +401,5 @@ contains
          call check_refused(failure, status%invalid_argument)
       end do
    end subroutine test_failures_disturbed
-
-   !> The values_disturbed of a record
-   function values_disturbed(options) result(x)
-      type(simulate_options), intent(in) :: options
-      real(dp), allocatable :: x(:)
-      type(record_type) :: record
-
-      call simulate_record(options, record, failure)
-      allocate (x, source=record%value(:, 1))
-   end function values_disturbed
 
 end module test_simulate_sensor

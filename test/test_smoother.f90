@@ -18,13 +18,7 @@ module test_smoother
 contains
 
    subroutine suite_smoother()
-      call test("ar1-dense", test_ar1)
-      call test("mixture-dense", test_mixture)
-      call test("walk-dense", test_walk)
-      call test("walk-and-noise-dense", test_walk_and_noise)
-      call test("gaps-dense", test_gaps)
-      call test("late-start-dense", test_late_start)
-      call test("white-dense", test_white)
+      call test("dense", test_dense)
       call test("blocks", test_blocks)
       call test("honest-variance", test_honest_variance)
       call test("offset", test_offset)
@@ -65,54 +59,28 @@ contains
       call check(error, maxval(abs(variance - spread_expected)) <= dense)
    end subroutine compare
 
-   !> No sample is missing.
-   pure function all_here() result(here)
+   !> Processes of every kind, samples missing, also before the first measurement, white noise whose variance changes.
+   subroutine test_dense()
+      type(component_model_type) :: both
       logical :: here(50)
-
-      here = .true.
-   end function all_here
-
-   subroutine test_ar1()
-      call compare(model_of([0.9_dp], [0.4_dp], 1.5_dp), [.true.], all_here())
-   end subroutine test_ar1
-
-   subroutine test_mixture()
-      call compare(model_of([0.5_dp, 0.95_dp], [0.4_dp, 0.02_dp], 0.7_dp), [.false., .true.], all_here())
-   end subroutine test_mixture
-
-   subroutine test_walk()
-      call compare(model_of([1.0_dp], [0.1_dp], 1.0_dp), [.true.], all_here())
-   end subroutine test_walk
-
-   subroutine test_walk_and_noise()
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], all_here())
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here())
-   end subroutine test_walk_and_noise
-
-   subroutine test_gaps()
-      logical :: here(50)
-
-      here = .true.
-      here([2, 3, 17, 30, 31, 32, 50]) = .false.
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
-   end subroutine test_gaps
-
-   subroutine test_late_start()
-      logical :: here(50)
-
-      here = .true.
-      here(:7) = .false.
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
-      call compare(model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
-   end subroutine test_late_start
-
-   !> White noise whose variance changes.
-   subroutine test_white()
       integer :: i
 
-      call compare(model_of([0.9_dp, 1.0_dp], [0.1_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here(), &
+      here = .true.
+      both = model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp)
+      call compare(model_of([0.9_dp], [0.4_dp], 1.5_dp), [.true.], here)
+      call compare(model_of([0.5_dp, 0.95_dp], [0.4_dp, 0.02_dp], 0.7_dp), [.false., .true.], here)
+      call compare(model_of([1.0_dp], [0.1_dp], 1.0_dp), [.true.], here)
+      call compare(both, [.false., .true.], here)
+      call compare(both, [.true., .true.], here)
+      call compare(model_of([0.9_dp, 1.0_dp], [0.1_dp, 0.02_dp], 0.6_dp), [.true., .true.], here, &
                    [(merge(9.0_dp, 0.5_dp, i > 20 .and. i < 35), i=1, 50)])
-   end subroutine test_white
+      here([2, 3, 17, 30, 31, 32, 50]) = .false.
+      call compare(both, [.true., .true.], here)
+      here = .true.
+      here(:7) = .false.
+      call compare(both, [.true., .true.], here)
+      call compare(model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
+   end subroutine test_dense
 
    !> More samples than a block: those far from both ends do not feel where a series is cut.
    subroutine test_blocks()

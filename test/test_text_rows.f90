@@ -212,11 +212,11 @@ contains
    !> ":12:7" for line 12.
    pure function place(line) result(text)
       integer, intent(in) :: line
-      character(16) :: room
+      character(16) :: written
       character(:), allocatable :: text
 
-      write (room, "(a, i0, a)") ":", line, ":7"
-      text = trim(room)
+      write (written, "(a, i0, a)") ":", line, ":7"
+      text = trim(written)
    end function place
 
    !> A line that begins with a semicolon is a row without its first number where semicolons part the columns, else a comment.
@@ -355,7 +355,7 @@ contains
       call check(error, index(failed%message, ": the file became shorter while it was read: 1600000 of 2400000 bytes") > 0)
    end subroutine test_shrinking
 
-   !> Appends a chunk of three columns, k, -k and k + 0.5 in row k of the store; it has room for some rows more.
+   !> Appends a chunk of three columns, k, -k and k + 0.5 in row k of the store; some rows of it stay free.
    subroutine fill_chunk(store, rows)
       type(store_type), intent(inout) :: store
       integer(int64), intent(in) :: rows
