@@ -206,17 +206,15 @@ contains
          other%phi(3) = 0
          other%q(3) = 0
          call compare(model, other, [.true., .true., .false.], filter_options())
-         if (.not. allocated(error)) call compare(model, other, [.true., .false., .false.], filter_options())
-         if (.not. allocated(error)) call compare(model, other, [.false., .true., .false.], filter_options())
+         call compare(model, other, [.true., .false., .false.], filter_options())
+         call compare(model, other, [.false., .true., .false.], filter_options())
          do i = 1, 3
-            if (allocated(error)) return
-            options = adaptive()
+               options = adaptive()
             options%measurement_form = forms(i)
             options%burn_in = merge(-1, 50, i == 1)
             options%r_upper = 2
             call compare(model, other, [.true., .true., .false.], options)
          end do
-         if (allocated(error)) return
          options%initial_variance = 4
          call compare(model, other, [.true., .true., .false.], options)
       end do
@@ -236,12 +234,11 @@ contains
          other%phi(2:) = 0
          other%q(2:) = 0
          call compare(model, other, [.true., .false., .false.], filter_options())
-         if (.not. allocated(error)) call compare(model, other, [.true., .false., .false.], adaptive())
+         call compare(model, other, [.true., .false., .false.], adaptive())
          options = adaptive()
          options%measurement_form = "exact"
          options%burn_in = -1
-         if (.not. allocated(error)) call compare(model, other, [.true., .false., .false.], options)
-         if (allocated(error)) return
+         call compare(model, other, [.true., .false., .false.], options)
       end do
    end subroutine test_single
 

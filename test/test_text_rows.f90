@@ -168,9 +168,8 @@ contains
       call odd_content(300000, nl, content, kind)
       do threads = 1, 3
          call read_with(content, threads, table, failed)
-         call check(error, .not. allocated(failed))
-         if (.not. allocated(error)) call compare(table, kind)
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
+         call compare(table, kind)
       end do
    end subroutine test_every_kind
 
@@ -182,13 +181,12 @@ contains
 
       call odd_content(150000, achar(13), content, kind)
       call read_with(content, 2, table, failed)
-      call check(error, .not. allocated(failed))
-      if (.not. allocated(error)) call compare(table, kind)
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
+      call compare(table, kind)
       call odd_content(150000, achar(13)//nl, content, kind)
       call read_with(content, 2, table, failed)
-      call check(error, .not. allocated(failed))
-      if (.not. allocated(error)) call compare(table, kind)
+      if (went_wrong(failed)) return
+      call compare(table, kind)
    end subroutine test_returns
 
    !> Of several lines that cannot be read the first one is told, wherever the others are.
@@ -230,10 +228,9 @@ contains
 
       do i = 1, size(content)
          call read_with(trim(content(i)), 1, table, failed)
-         call check(error, .not. allocated(failed))
-         if (.not. allocated(error)) call check(error, count_rows(table%store), rows(i), trim(content(i)))
-         if (.not. allocated(error)) call check(error, same(stored(table, rows(i), 2), 6.0_dp))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
+         if (unmet(count_rows(table%store), rows(i), trim(content(i)))) return
+         call check(error, same(stored(table, rows(i), 2), 6.0_dp))
          if (short(i) == 0) cycle
          call check(error, same(stored(table, short(i), 1), gone) .and. same(stored(table, short(i), 2), 4.0_dp), trim(content(i)))
       end do
