@@ -84,8 +84,8 @@ contains
       end do
    end function flicker_of
 
-   !> Interval means of a random walk with K = 1 and unit interval: w(k) + g1/2 + g2/(2 sqrt 3), g1 the walk's
-   !> own step, g2 the bridges.
+   !> Interval means of a random walk with K = 1 and unit interval: w(k) + g1/2 + g2/(2 sqrt 3), g1
+   !> the walk's own step, g2 the bridges.
    pure function walk_of(g1, g2) result(x)
       real(dp), intent(in) :: g1(:), g2(:)
       real(dp) :: x(size(g1))

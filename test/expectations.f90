@@ -172,7 +172,8 @@ contains
       if (allocated(error)) return
       do i = 1, size(expected)
          write (text, '("number ", i0, ": ", es24.16e3, " is not ", es24.16e3)') i, actual(i), expected(i)
-         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), trim(text), what)
+         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), trim(text), &
+            & what)
          if (allocated(error)) return
       end do
    end subroutine agree

@@ -10,7 +10,8 @@ module filter_library
    use expectations, only : failure => problem, went_wrong
    implicit none (type, external)
    private
-   public :: fill_noise, make_series, add_walk, companion_matrix, dense_filter, dense_drift, dense_likelihood
+   public :: fill_noise, make_series, add_walk, companion_matrix, dense_filter, dense_drift, &
+      & dense_likelihood
    public :: some_model, adaptive, not_made, make_data, rounding, paper_phi
 
    !> The same numbers in another order of operations
@@ -173,7 +174,8 @@ contains
       allocate (a(n, n))
       a = covariances(model, at, spread(model%r, 1, n))
       y = z(at)
-      if (any(model%phi(:model%count) >= 1.0_dp)) then     ! z_i - z_1: a unit matrix after a column of -1
+      ! z_i - z_1: a unit matrix after a column of -1
+      if (any(model%phi(:model%count) >= 1.0_dp)) then
          d = a(2:, 2:)
          do j = 2, n
             do i = 2, n

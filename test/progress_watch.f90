@@ -29,7 +29,8 @@ contains
       integer(int64), intent(in) :: done, total
       logical, intent(out) :: cancel
 
-      self%ordered = self%ordered .and. len(stage) > 0 .and. done >= 0 .and. (done <= total .or. total == 0)
+      self%ordered = self%ordered .and. len(stage) > 0 .and. done >= 0 .and. &
+         & (done <= total .or. total == 0)
       if (allocated(self%stage)) then
          if (stage == self%stage) self%ordered = self%ordered .and. done >= self%done
       end if

@@ -8,7 +8,8 @@ module scratch_file
    use gyroakf_record, only : record_type
    implicit none (type, external)
    private
-   public :: scratch_path, write_bytes, read_bytes, read_content, remove_file, remove_folder, file_exists
+   public :: scratch_path, write_bytes, read_bytes, read_content, remove_file, remove_folder, &
+      & file_exists
 
    interface
       function c_getpid() result(process) bind(C, name="getpid")

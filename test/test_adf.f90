@@ -82,8 +82,8 @@ contains
       call check(error, adf%observations == 4_int64 .and. adf%lag == 0, "rows or lag")
    end subroutine test_by_hand
 
-   !> Eleven series, four regressions: the lags that three criteria choose, and statistic and coefficient
-   !> of the level at these and at given lags.
+   !> Eleven series, four regressions: the lags that three criteria choose, and statistic and
+   !> coefficient of the level at these and at given lags.
    subroutine test_reference()
       type(adf_type) :: adf
       character(40) :: what
@@ -92,11 +92,13 @@ contains
       do k = 1, size(exact_regression, 2)
          i = exact_regression(1, k)
          j = exact_regression(2, k)
-         write (what, '(a, 1x, a, " lag ", i0)') trim(reference_names(i)), regressions(j), exact_regression(3, k)
+         write (what, '(a, 1x, a, " lag ", i0)') trim(reference_names(i)), regressions(j), &
+            & exact_regression(3, k)
          call run_adf(reference_series(trim(reference_names(i)), 1000), &
                       adf_options(regressions(j), exact_regression(3, k)), adf, problem)
          if (went_wrong(problem, what)) return
-         call check(error, adf%lag == exact_regression(3, k) .and. adf%observations == 999 - adf%lag, what)
+         call check(error, adf%lag == exact_regression(3, k) .and. &
+            & adf%observations == 999 - adf%lag, what)
          call close_to(adf%statistic, exact_value(1, k), tolerance, what)
          call agree([adf%level], exact_value(2:2, k), tolerance, what)
       end do
@@ -105,9 +107,11 @@ contains
             do k = 1, 3
                what = trim(reference_names(i))//" "//trim(regressions(j))//" "//criteria(k)
                call run_adf(reference_series(trim(reference_names(i)), 1000), &
-                            adf_options(regression=regressions(j), criterion=criteria(k)), adf, problem)
+                            adf_options(regression=regressions(j), criterion=criteria(k)), adf, &
+                               & problem)
                if (went_wrong(problem, what)) return
-               call check(error, adf%lag == chosen_lag(k, j, i) .and. adf%observations == 999 - adf%lag, what)
+               call check(error, adf%lag == chosen_lag(k, j, i) .and. &
+                  & adf%observations == 999 - adf%lag, what)
                call close_to(adf%statistic, exact_statistic(i, j, adf%lag), tolerance, what)
                call agree([adf%criterion_value], [exact_criterion(k, j, i)], &
                           merge(small_difference, tolerance, k == 3), "criterion of "//what)
@@ -238,7 +242,8 @@ contains
          if (went_wrong(problem)) return
          call check(error, a%lag, b%lag)
          call close_to(b%statistic, a%statistic, 1.0e-11_dp, regressions(j))
-         call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=1.0e-11_dp, rel=.true.)
+         call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=1.0e-11_dp, &
+            & rel=.true.)
       end do
       call run_adf(x, adf_options(regression="n"), a, problem)
       call run_adf(-x*2.0_dp**100, adf_options(regression="n"), b, problem)

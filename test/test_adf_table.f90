@@ -132,7 +132,8 @@ contains
       type(adf_type) :: adf
 
       call run_adf(reference_series("ar1", 500), adf_options(), adf, problem)
-      call check(error, .not. (allocated(problem) .or. allocated(adf%table)), "an unrequested table")
+      call check(error, .not. (allocated(problem) .or. allocated(adf%table)), &
+         & "an unrequested table")
    end subroutine test_only_when_asked
 
    !> The autocovariances made on the way are those of a pass of their own: lengths around chunks, gaps, an offset; also where the

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the analytic covariance of Allan variances, against the sum over every lag in quadruple precision, and
-!> of the five noise terms, against numbers from the literature.
+!> Tests of the analytic covariance of Allan variances, against the sum over every lag in quadruple
+!> precision, and of the five noise terms, against numbers from the literature.
 module test_allan_covariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use, intrinsic :: iso_fortran_env, only : qp => real128

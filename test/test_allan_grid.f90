@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the averaging factors, and of the equivalent degrees of freedom: these were computed for 1001
-!> phases by an independent implementation of Greenhall & Riley (2003).
+!> Tests of the averaging factors, and of the equivalent degrees of freedom: these were computed for
+!> 1001 phases by an independent implementation of Greenhall & Riley (2003).
 module test_allan_grid
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : status

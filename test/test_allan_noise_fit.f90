@@ -8,7 +8,8 @@ module test_allan_noise_fit
    use gyroakf_allan_fit_solver, only : solve_nonnegative
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_allan_noise_model, only : model_variance
-   use allan_series, only : nbs14_long, normal_series, uniform_series, walk_of, not_fitted, mixed_record
+   use allan_series, only : nbs14_long, normal_series, uniform_series, walk_of, not_fitted, &
+      & mixed_record
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private

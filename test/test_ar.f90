@@ -104,7 +104,8 @@ contains
          call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(order=4, max_order=6), model, problem)
          if (went_wrong(problem, reference_names(i))) return
          call check(error, maxval(abs(model%coefficient - phi_of(:, i))), 0.0_dp, reference_names(i), thr=tolerance)
-         call agree([model%noise_variance], levinson_variance(4:4, i), tolerance, reference_names(i))
+         call agree([model%noise_variance], levinson_variance(4:4, i), tolerance, &
+            & reference_names(i))
          call agree(model%table%aic, expected%aic, tolerance, reference_names(i))
          call agree(model%table%bic, expected%bic, tolerance, reference_names(i))
       end do
@@ -116,7 +117,8 @@ contains
       integer :: i
 
       do i = 1, 2
-         call fit_ar(reference_series("ar1", 1000), ar_options(method=methods(i), order=1), model, problem)
+         call fit_ar(reference_series("ar1", 1000), ar_options(method=methods(i), order=1), model, &
+            & problem)
          if (went_wrong(problem)) return
          call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
       end do
@@ -151,15 +153,19 @@ contains
          x = anint(1024.0_dp*reference_series("ar2", length(k)))/1024.0_dp
          do i = 1, size(methods)
             call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
-            call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method=methods(i), max_order=5), b, problem)
+            call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), &
+               & ar_options(method=methods(i), max_order=5), b, problem)
             if (went_wrong(problem)) return
             call check(error, a%order, b%order, methods(i))
-            call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, methods(i), thr=tolerance)
-            call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, methods(i), thr=tolerance)
+            call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, methods(i), &
+               & thr=tolerance)
+            call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, methods(i), &
+               & thr=tolerance)
             call agree([b%noise_variance, b%residual_variance]*2.0_dp**100, &
                        [a%noise_variance, a%residual_variance], tolerance, methods(i))
             call agree([b%residual_ljung_box%statistic, b%residual_normality%statistic], &
-                       [a%residual_ljung_box%statistic, a%residual_normality%statistic], 1.0e-10_dp, methods(i))
+                       [a%residual_ljung_box%statistic, a%residual_normality%statistic], &
+                          & 1.0e-10_dp, methods(i))
          end do
       end do
    end subroutine test_offset_scale
@@ -205,7 +211,8 @@ contains
          call set_thread_count(before)
          if (went_wrong(problem)) return
          call check(error, maxval(abs(model(1)%coefficient - model(2)%coefficient)), 0.0_dp, thr=tolerance)
-         call check(error, model(1)%residual_normality%statistic, model(2)%residual_normality%statistic, &
+         call check(error, model(1)%residual_normality%statistic, &
+            & model(2)%residual_normality%statistic, &
                     thr=1.0e-10_dp, rel=.true.)
       end do
    end subroutine test_threads
@@ -252,9 +259,11 @@ contains
       integer :: i
 
       do i = 1, size(methods)
-         call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method=methods(i), order=0, max_order=0), model, problem)
+         call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], &
+            & ar_options(method=methods(i), order=0, max_order=0), model, problem)
          if (went_wrong(problem, methods(i))) return
-         if (unmet(size(model%coefficient) + size(model%std_error) + size(model%root), 0, methods(i))) return
+         if (unmet(size(model%coefficient) + size(model%std_error) + size(model%root), 0, &
+            & methods(i))) return
          call agree([model%noise_variance, model%residual_variance, model%mean, model%intercept], &
                     [1.25_dp, 1.25_dp, 2.5_dp, 2.5_dp], tolerance, methods(i))
          call check(error, .not. model%largest_order_chosen, "there was nothing to choose")
@@ -300,7 +309,8 @@ contains
       integer :: t
 
       options%method = "ols"
-      call refused([(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)], options, status%singular)
+      call refused([(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)], options, &
+         & status%singular)
       call refused([(real(2*t, dp) - 7.0_dp, t=1, 60)], options, status%singular)
       x = reference_series("wn", 60)
       valid = [(merge(0_int8, 1_int8, modulo(t, 4) == 0), t=1, 60)]

@@ -18,7 +18,7 @@ module test_ar_roots
    !> Simple roots well apart come to a few units in the last place of the coefficients
    real(dp), parameter :: tolerance = 1.0e-13_dp
    real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
-   real(dp), parameter :: tolerance_spectrum = 1.0e-12_dp
+   real(dp), parameter :: rounding = 1.0e-12_dp
 
 contains
 
@@ -130,7 +130,8 @@ contains
 
       call fit_ar(reference_series("wn", 200), ar_options(order=0), model, problem)
       if (went_wrong(problem)) return
-      call check(error, ar_spectrum(model, 17.0_dp, 0.01_dp), 0.01_dp*model%variance, thr=tolerance_spectrum, rel=.true.)
+      call check(error, ar_spectrum(model, 17.0_dp, 0.01_dp), 0.01_dp*model%variance, &
+         & thr=rounding, rel=.true.)
    end subroutine test_white
 
    !> The variance that a Yule-Walker model gives back is r_0; the sum over a period of a smooth function is its integral.
@@ -141,9 +142,10 @@ contains
       call fit_ar(reference_series("ar2", 3000), ar_options(order=4, max_order=4), model, problem)
       if (went_wrong(problem)) return
       call check(error, sum(ar_spectrum(model, [(0.125_dp*real(i, dp), i=-200, 199)], 0.02_dp))*0.125_dp, model%variance, &
-         & thr=tolerance_spectrum, rel=.true.)
-      call check(error, ar_spectrum(model, -3.0_dp, 0.02_dp), ar_spectrum(model, 53.0_dp, 0.02_dp), &
-                 thr=tolerance_spectrum, rel=.true.)
+         & thr=rounding, rel=.true.)
+      call check(error, ar_spectrum(model, -3.0_dp, 0.02_dp), &
+         & ar_spectrum(model, 53.0_dp, 0.02_dp), &
+                 thr=rounding, rel=.true.)
    end subroutine test_integral
 
    !> A sinusoid in noise: the density has its peak there, at the frequency of the largest pair of roots.
@@ -177,11 +179,11 @@ contains
       row = valid(3:)*valid(2:19999)*valid(:19998)
       e = x(3:) - 49.0_dp - phi(1)*(x(2:19999) - 49.0_dp) - phi(2)*(x(:19998) - 49.0_dp)
       call compute_autocovariance(e, 25, mean, expected, problem, row, number)
-      call check(error, maxval(abs(r - expected)), 0.0_dp, thr=tolerance_spectrum)
+      call check(error, maxval(abs(r - expected)), 0.0_dp, thr=rounding)
       call check(error, all(pairs == number), "pairs")
       call compute_moments(e - 0.25_dp, dense, row)
       call check(error, maxval(abs([moments%mean, moments%std, moments%skewness, moments%kurtosis] - &
-         & [dense%mean, dense%std, dense%skewness, dense%kurtosis])), 0.0_dp, thr=tolerance_spectrum)
+         & [dense%mean, dense%std, dense%skewness, dense%kurtosis])), 0.0_dp, thr=rounding)
    end subroutine test_residuals
 
 end module test_ar_roots

@@ -119,8 +119,9 @@ contains
       call check(error, audit%jitter_max, 7*dt, thr=1.0e-10_dp)
    end subroutine test_late
 
-   !> Losses at about even distances. With jitter the steps there are longer or shorter, and what is lost is rounded, not cut; at
-   !> 45 % no single step tells a loss, but the level of the lag. One in twenty lost leaves fewer than 97 % of the steps even.
+   !> Losses at about even distances. With jitter the steps there are longer or shorter, and what is
+   !> lost is rounded, not cut; at 45 % no single step tells a loss, but the level of the lag. One
+   !> in twenty lost leaves fewer than 97 % of the steps even.
    subroutine test_gaps()
       real(dp), parameter :: jitter(5) = [0.2_dp, 0.2_dp, 0.45_dp, 0.05_dp, 0.0_dp]
       integer, parameter :: gaps(5) = [1, 8, 4, 79, 199], distance(5) = [1000, 430, 900, 50, 20]
@@ -135,7 +136,8 @@ contains
             first = distance(i)*k + mod(7*k, period(i))
             t(first:) = t(first:) + length(i)*dt
          end do
-         call expect(t, gaps(i), gaps(i)*length(i), merge(1.0_dp/n, 1.0e-12_dp, jitter(i) > 0), audit)
+         call expect(t, gaps(i), gaps(i)*length(i), merge(1.0_dp/n, 1.0e-12_dp, jitter(i) > 0), &
+            & audit)
          if (i == 1) call check(error, audit%line_of_first(3), 1000_int64)
       end do
    end subroutine test_gaps
@@ -278,7 +280,8 @@ contains
          row = row + 1
          content(16*row - 15:16*row) = content(16*row - 31:16*row - 16)
       end do
-      call read_content("t gx"//new_line("a")//content, "repeated.txt", reader_options(), record, failed)
+      call read_content("t gx"//new_line("a")//content, "repeated.txt", reader_options(), record, &
+         & failed)
       if (went_wrong(failed, "read")) return
       call check(error, record%audit%repeated == 2 .and. record%audit%missing == 3 .and. record%audit%gaps == 1, "counts")
       call check(error, all(record%present(201:203, 1) == 0) .and. sum(int(record%present)) == 400, "marks")
@@ -293,7 +296,8 @@ contains
       character(1), parameter :: nl = new_line("a")
 
       call read_content("# c"//nl//"t_s gx"//nl//"0 1"//nl//nl//"1 1"//nl//"# d"//nl//"# e"//nl// &
-                       "1 2"//nl//"2 3"//nl//"1.5 4"//nl, "lines.txt", reader_options(), record, failed)
+                       "1 2"//nl//"2 3"//nl//"1.5 4"//nl, "lines.txt", reader_options(), record, &
+                          & failed)
       call check(error, all(record%audit%line_of_first == [8_int64, 10_int64, 0_int64]), "lines")
    end subroutine test_lines
 

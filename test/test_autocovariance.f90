@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the lagged sums and of the Levinson-Durbin recursion. The reference values were computed in
-!> exact arithmetic from the doubles of the series (series_library, 1000 samples each) and rounded once.
+!> Tests of the lagged sums and of the Levinson-Durbin recursion. The reference values were computed
+!> in exact arithmetic from the doubles of the series (series_library, 1000 samples each) and
+!> rounded once.
 module test_autocovariance
    use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_threads, only : thread_count, set_thread_count
@@ -34,7 +35,7 @@ module test_autocovariance
       & 0.0013689978190547806_dp, 1.7894086047159458e-6_dp, 1.2292044611013289e-6_dp, 8.111590319133136e-7_dp, &
       & -9.2735178768007e-8_dp, -7.592490566753704e-8_dp, 0.9827258362879051_dp, 0.04658983570128766_dp, &
       & 0.015495455537458338_dp, -0.09425301906752617_dp, 0.07265591961360557_dp], [5, 11])
-   real(dp), parameter :: tolerance_levinson = 1.0e-12_dp
+   real(dp), parameter :: rounding = 1.0e-12_dp
    !> AR(3) coefficients in the order of reference_names
    real(dp), parameter :: phi_of(3,11) = reshape([ &
       & 0.012345925194632974_dp, -0.01584412015283734_dp, 0.02385164070655572_dp, -0.0184978696160034_dp, &
@@ -206,9 +207,10 @@ contains
 
       call solve_levinson([(0.6_dp**k/0.64_dp, k = 0, 3)], phi, variance, problem)
       if (went_wrong(problem)) return
-      call check(error, maxval(abs(phi(:, 3) - [0.6_dp, 0.0_dp, 0.0_dp])), 0.0_dp, thr=tolerance_levinson)
-      call check(error, maxval(abs(phi(:, 1) - [0.6_dp, 0.0_dp, 0.0_dp])), 0.0_dp, thr=tolerance_levinson)
-      call check(error, maxval(abs(variance - [1.5625_dp, 1.0_dp, 1.0_dp, 1.0_dp])), 0.0_dp, thr=tolerance_levinson)
+      call check(error, maxval(abs(phi(:, 3) - [0.6_dp, 0.0_dp, 0.0_dp])), 0.0_dp, thr=rounding)
+      call check(error, maxval(abs(phi(:, 1) - [0.6_dp, 0.0_dp, 0.0_dp])), 0.0_dp, thr=rounding)
+      call check(error, maxval(abs(variance - [1.5625_dp, 1.0_dp, 1.0_dp, 1.0_dp])), 0.0_dp, &
+         & thr=rounding)
    end subroutine test_closed_form
 
    !> The eleven series. The random walk's matrix has a condition of 1e3.
@@ -221,9 +223,10 @@ contains
          call compute_autocovariance(reference_series(trim(reference_names(i)), 1000), 6, mean, r, problem)
          call solve_levinson(r, phi, variance, problem)
          if (went_wrong(problem)) return
-         call check(error, maxval(abs(phi(:3, 3) - phi_of(:, i))), 0.0_dp, reference_names(i), thr=tolerance_levinson)
-         call check(error, maxval(abs(variance/levinson_variance(:, i) - 1.0_dp)), 0.0_dp, reference_names(i), &
-                    thr=tolerance_levinson)
+         call check(error, maxval(abs(phi(:3, 3) - phi_of(:, i))), 0.0_dp, reference_names(i), &
+            & thr=rounding)
+         call check(error, maxval(abs(variance/levinson_variance(:, i) - 1.0_dp)), 0.0_dp, &
+            & reference_names(i), thr=rounding)
       end do
    end subroutine test_reference_levinson
 
@@ -241,8 +244,8 @@ contains
       call dpotrf("U", 25, matrix, 25, info)
       if (info == 0) call dpotrs("U", 25, 1, matrix, 25, right, 25, info)
       call check(error, info, 0)
-      call check(error, maxval(abs(phi(:, 25) - right(:, 1))), 0.0_dp, thr=tolerance_levinson)
-      call check(error, variance(25), r(0) - dot_product(r(1:25), right(:, 1)), thr=tolerance_levinson)
+      call check(error, maxval(abs(phi(:, 25) - right(:, 1))), 0.0_dp, thr=rounding)
+      call check(error, variance(25), r(0) - dot_product(r(1:25), right(:, 1)), thr=rounding)
    end subroutine test_direct_solution
 
    !> Coefficients do not feel the scale, variances do.
@@ -253,8 +256,8 @@ contains
       call solve_levinson(r, phi, variance, problem)
       call solve_levinson(1.0e-12_dp*r, phi2, variance2, problem)
       if (went_wrong(problem)) return
-      call check(error, maxval(abs(phi - phi2)), 0.0_dp, thr=tolerance_levinson)
-      call check(error, maxval(abs(1.0e12_dp*variance2 - variance)), 0.0_dp, thr=tolerance_levinson)
+      call check(error, maxval(abs(phi - phi2)), 0.0_dp, thr=rounding)
+      call check(error, maxval(abs(1.0e12_dp*variance2 - variance)), 0.0_dp, thr=rounding)
    end subroutine test_scale
 
    !> No variance; a sequence that is no autocovariance; a perfect sine; order 0 is no failure.

@@ -232,7 +232,8 @@ contains
       type(record_type) :: record
 
       call read_content("stamp,gx"//nl//"1777636800123456701,1"//nl//"1777636800123456802,2"//nl// &
-         & "1777636800123456903,3"//nl//"1777636800123457004,4"//nl, "long.csv", reader_options(), record, failed)
+         & "1777636800123456903,3"//nl//"1777636800123457004,4"//nl, "long.csv", reader_options(), &
+         & record, failed)
       if (went_wrong(failed, "read")) return
       call check(error, record%sample_interval, 101.0e-9_dp, thr=1.0e-12_dp, rel=.true.)
       call check(error, record%audit%jitter_max < 1.0e-15_dp, "even")

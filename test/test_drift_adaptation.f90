@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of what the drift filter adapts (gate, variance of the measurement noise, burn-in) and of its steady
-!> gains.
+!> Tests of what the drift filter adapts (gate, variance of the measurement noise, burn-in) and of
+!> its steady gains.
 module test_drift_adaptation
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp

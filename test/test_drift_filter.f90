@@ -9,7 +9,8 @@ module test_drift_filter
    use gyroakf_filter_drift_steady, only : drift_dc_gain, steady_drift_gain
    use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter, run_filter, freeze_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
-   use filter_library, only : adaptive, dense_drift, fill_noise, make_data, not_made, rounding, some_model
+   use filter_library, only : adaptive, dense_drift, fill_noise, make_data, not_made, rounding, &
+      & some_model
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
@@ -110,7 +111,8 @@ contains
          do k = 1, n
             call step_filter(filter, z(k), x)
             if (count(here(:k)) < 1) cycle
-            call dense_drift(model, slow(:model%count), z(:k), here(:k), spread(model%r, 1, k), mean(:k), variance(:k))
+            call dense_drift(model, slow(:model%count), z(:k), here(:k), spread(model%r, 1, k), &
+               & mean(:k), variance(:k))
             call check(error, x, mean(k), thr=1.0e-10_dp)
             call check(error, filter%p(1, 1), variance(k), thr=1.0e-10_dp, rel=.true.)
          end do

@@ -259,7 +259,8 @@ contains
       call check(error, watch%calls, 30)
       watch = watch_type()
       call identify_drift_model(z, drift_identification_options(), found, failed, progress=watch)
-      call check(error, .not. allocated(failed) .and. watch%ordered .and. watch%stage == "identifying")
+      call check(error, .not. allocated(failed) .and. watch%ordered .and. &
+         & watch%stage == "identifying")
    end subroutine test_cancelled
 
    subroutine test_refused()

@@ -7,7 +7,8 @@ module test_kalman
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
    use gyroakf_filter_state_space, only : stationary_covariance
-   use filter_library, only : fill_noise, make_series, dense_drift, dense_filter, dense_likelihood, paper_phi
+   use filter_library, only : fill_noise, make_series, dense_drift, dense_filter, &
+      & dense_likelihood, paper_phi
    use expectations, only : failure => problem, test, error, check, went_wrong, check_refused
    implicit none (type, external)
    private

@@ -76,7 +76,8 @@ contains
             expected = order_criteria(p, ols_variance(p, i), int(1000 - p, int64))
             associate (line => model%table(p + 1))
                call check(error, maxval(abs([line%aic, line%aicc, line%bic, line%hqic, line%fpe]/ &
-                  & [expected%aic, expected%aicc, expected%bic, expected%hqic, expected%fpe] - 1.0_dp)), 0.0_dp, &
+                  & [expected%aic, expected%aicc, expected%bic, expected%hqic, &
+                  & expected%fpe] - 1.0_dp)), 0.0_dp, &
                   & reference_names(i), thr=1.0e-11_dp)
             end associate
          end do

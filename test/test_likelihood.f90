@@ -61,8 +61,8 @@ contains
       call check(error, value, dense_likelihood(model, z, here), thr=dense, rel=.true.)
    end subroutine compare
 
-   !> One to three processes, samples missing, also before the first measurement; a filter that needs thousands of samples to come
-   !> to rest is not taken as being there after some hundred.
+   !> One to three processes, samples missing, also before the first measurement; a filter that
+   !> needs thousands of samples to come to rest is not taken as being there after some hundred.
    subroutine test_dense()
       type(component_model_type) :: model
       logical :: here(400)

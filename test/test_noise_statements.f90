@@ -4,7 +4,8 @@ module test_noise_statements
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
-   use allan_series, only : normal_series, uniform_series, walk_of, correlated, not_fitted, mixed_record
+   use allan_series, only : normal_series, uniform_series, walk_of, correlated, not_fitted, &
+      & mixed_record
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of normality: Jarque-Bera and the verdict, Anderson-Darling. Reference values: exact or 40-digit
-!> arithmetic from the doubles of the series (series_library, 1000 samples each), rounded once; published
-!> ones with their source.
+!> Tests of normality: Jarque-Bera and the verdict, Anderson-Darling. Reference values: exact or
+!> 40-digit arithmetic from the doubles of the series (series_library, 1000 samples each), rounded
+!> once; published ones with their source.
 module test_normality
    use gyroakf_kinds, only : dp, int64, int8
    use gyroakf_error, only : status
@@ -29,11 +29,11 @@ module test_normality
       & 0.564469714453444_dp, 2.3487834472227337e-9_dp, 0.002666549356094504_dp, 0.1520499145165288_dp, &
       & 0.5321704048403791_dp, 0.564469714928317_dp, 0.5919718449805954_dp]
    !> The samples of `offset`, 1e4 + 1e-3 x, hold x to 1e-9 of it; their own statistic is exact again
-   real(dp), parameter :: statistic_of_anderson(11) = [ &
+   real(dp), parameter :: ad_statistic(11) = [ &
       & 0.169615349300928091_dp, 0.258095236416127856_dp, 12.4006143838884692_dp, 22.0897540790117662_dp, &
       & 0.20787216538121209_dp, 5.10524293901722886_dp, 0.763248308095686796_dp, 0.391097224861962969_dp, &
       & 0.22558770550500478_dp, 0.20787216523495121_dp, 0.46973922027826066_dp]
-   real(dp), parameter :: p_value_of_anderson(11) = [ &
+   real(dp), parameter :: ad_p_value(11) = [ &
       & 0.933759066698522707_dp, 0.717171788021517856_dp, 3.76497880538838325e-24_dp, 3.76497880538838325e-24_dp, &
       & 0.865887992989564733_dp, 1.27439945801078137e-12_dp, 0.0470704090634341025_dp, 0.379666393403915059_dp, &
       & 0.819371086006986423_dp, 0.865887993340126267_dp, 0.246895955131459594_dp]
@@ -198,9 +198,12 @@ contains
 
       do i = 1, size(reference_names)
          call run_anderson(reference_series(trim(reference_names(i)), 1000), ad)
-         call check(error, ad%statistic, statistic_of_anderson(i), reference_names(i), thr=tolerance, rel=.true.)
-         call check(error, ad%modified, statistic_of_anderson(i)*1.00075225_dp, reference_names(i), thr=tolerance, rel=.true.)
-         call check(error, ad%p_value, p_value_of_anderson(i), reference_names(i), thr=1.0e-11_dp, rel=.true.)
+         call check(error, ad%statistic, ad_statistic(i), reference_names(i), thr=tolerance, &
+            & rel=.true.)
+         call check(error, ad%modified, ad_statistic(i)*1.00075225_dp, reference_names(i), &
+            & thr=tolerance, rel=.true.)
+         call check(error, ad%p_value, ad_p_value(i), reference_names(i), thr=1.0e-11_dp, &
+            & rel=.true.)
       end do
    end subroutine test_reference_anderson
 

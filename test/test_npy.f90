@@ -461,7 +461,8 @@ contains
          if (i == 4) call check_refusal(npy(before//"[('a', '<f8')], 'shape': (1, 2), 'fortran_order': True}", &
                                                    repeat("x", 16)), "2 dimensions")
       end do
-      call change_bits(npy(before//"[('a', '<f4'), ('', '|V4'), ('b', '<f8')]"//behind, repeat(achar(0), 32)), 32)
+      call change_bits(npy(before//"[('a', '<f4'), ('', '|V4'), ('b', '<f8')]"//behind, &
+         & repeat(achar(0), 32)), 32)
    end subroutine test_structured_broken
 
 end module test_npy

@@ -319,7 +319,8 @@ contains
          b%state = kind
          do i = 1, texts(kind)
             call draw_number(b, kind)
-            if (same(b) .and. kind == 4) call add(b, repeat("0", draw(b, 9))//"1")   ! a little beside halfway
+            ! a little beside halfway
+            if (same(b) .and. kind == 4) call add(b, repeat("0", draw(b, 9))//"1")
             if (same(b)) cycle
             call check(error, .false., b%text(:b%length))
             return
@@ -336,33 +337,33 @@ contains
 
       if (kind /= 5) call begin(b)
       select case (kind)
-      case (1)                      ! as files have them: up to 20 digits before and 25 after the point
+      case (1)   ! as files have them: up to 20 digits before and 25 after the point
          call add_digits(b, 1 + draw(b, merge(3, 20, draw(b, 2) == 0)))
          if (draw(b, 8) > 0) call add(b, ".")
          if (b%text(b%length:b%length) == ".") call add_digits(b, draw(b, 26))
-      case (2)                      ! 1 to 25 digits and an exponent anywhere in the range and beyond
+      case (2)   ! 1 to 25 digits and an exponent anywhere in the range and beyond
          call add_digits(b, 1)
          call add(b, ".")
          call add_digits(b, draw(b, 25))
          if (draw(b, 2) == 0) call add_exponent(b, -30, 30)
          if (b%text(b%length:b%length) == "." .or. draw(b, 2) == 0) call add_digits(b, 1)
          if (scan(b%text(:b%length), "eE") == 0) call add_exponent(b, -345, 312)
-      case (3)                      ! around the smallest normal number and below
+      case (3)   ! around the smallest normal number and below
          call add_digits(b, 1)
          call add(b, ".")
          call add_digits(b, draw(b, 22))
          call add_exponent(b, -326, -305)
-      case (4)                      ! exactly between two numbers: (2 m + 1)/2^k with a mantissa m of 53 bits
+      case (4)   ! exactly between two numbers: (2 m + 1)/2^k with a mantissa m of 53 bits
          bits = 2_int64**53 + 2*(int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)) + 1
          if (draw(b, 8) == 0) bits = 2_int64**54 - 1
          call add_halved(b, bits, draw(b, 70))
-      case (5)                      ! random bits printed with 17 digits, which have to come back
+      case (5)   ! random bits printed with 17 digits, which have to come back
          bits = int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)
          value = transfer(shiftl(int(1 + draw(b, 2045), int64), 52) + bits, value)
          write (b%text(:24), "(es24.16e3)") value
          b%text(:24) = adjustl(b%text(:24))
          b%length = len_trim(b%text(:24))
-      case default                  ! hundreds of digits
+      case default   ! hundreds of digits
          call add_digits(b, 1 + draw(b, 400))
          call add(b, ".")
          call add_digits(b, draw(b, 400))

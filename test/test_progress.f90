@@ -45,7 +45,8 @@ contains
       call report_progress("reading", 4_int64, 4_int64, failed, watch)
       call check_refused(failed, status%cancelled)
       call check(error, failed%message, "cancelled while reading")
-      call check(error, watch%stage == "reading" .and. watch%calls == 2 .and. watch%done == 4 .and. watch%total == 4)
+      call check(error, watch%stage == "reading" .and. watch%calls == 2 .and. watch%done == 4 .and. &
+         & watch%total == 4)
    end subroutine reported_and_cancelled
 
    subroutine no_callback()
@@ -101,7 +102,8 @@ contains
          watch%last_call = last
          call run_pipeline(record, pipeline_options(), result, failed, watch)
          if (unmet(allocated(failed), "the cancellation is lost")) return
-         call check(error, failed%code == status%cancelled .and. watch%calls == last, "it goes on after the cancellation")
+         call check(error, failed%code == status%cancelled .and. watch%calls == last, &
+            & "it goes on after the cancellation")
       end do
    end subroutine job_is_cancelled
 

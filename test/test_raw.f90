@@ -109,11 +109,13 @@ contains
    subroutine test_name()
       type(record_type) :: record
 
-      call read_content(achar(1)//achar(0)//achar(3)//achar(0), "x.i16", reader_options(), record, failed)
+      call read_content(achar(1)//achar(0)//achar(3)//achar(0), "x.i16", reader_options(), record, &
+         & failed)
       if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == [1, 3]) .and. record%format == "i16le")
       call check(error, index(record%warnings(1)%text, "as the name .i16 says") > 0)
-      call read_content("1"//new_line("a")//"3"//new_line("a"), "x.i16", reader_options(), record, failed)
+      call read_content("1"//new_line("a")//"3"//new_line("a"), "x.i16", reader_options(), record, &
+         & failed)
       if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == [1, 3]) .and. record%format == "text")
    end subroutine test_name

@@ -44,6 +44,7 @@ contains
       type(reader_options), intent(in) :: options
       integer, intent(out) :: code
       character(:), allocatable :: text
+      character(:), allocatable :: path
       type(record_type) :: record
 
       call read_content(content, "errors.txt", options, record, failed)
@@ -52,7 +53,8 @@ contains
       if (.not. allocated(failed)) return
       code = failed%code
       text = failed%message
-      if (index(text, scratch_path("errors.txt")) == 1) text = text(len(scratch_path("errors.txt")) + 1:)
+      path = scratch_path("errors.txt")
+      if (index(text, path) == 1) text = text(len(path) + 1:)
    end function message
 
    !> Checks that a content is refused with a message that begins so.
@@ -155,7 +157,8 @@ contains
       logical :: whole
 
       inflater%input = transfer(achar(packed_bytes), 0_int8, size(packed_bytes))
-      call inflate_bytes(inflater, size(packed_bytes, kind=int64), buffer, got, whole, code, problem)
+      call inflate_bytes(inflater, size(packed_bytes, kind=int64), buffer, got, whole, code, &
+         & problem)
    end subroutine inflate_rows
 
    !> A buffer of more than 32 bits count: only the bytes that are written have a place in memory.

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What makes a simulated record like a sensor's (filters, LSB, heavy tails), and what happens to a sensor
-!> at work: contamination, warm-up, motion, Gauss-Markov processes, vibration.
+!> What makes a simulated record like a sensor's (filters, LSB, heavy tails), and what happens to a
+!> sensor at work: contamination, warm-up, motion, Gauss-Markov processes, vibration.
 module test_simulate_sensor
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong, &

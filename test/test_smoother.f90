@@ -59,7 +59,8 @@ contains
       call check(error, maxval(abs(variance - spread_expected)) <= dense)
    end subroutine compare
 
-   !> Processes of every kind, samples missing, also before the first measurement, white noise whose variance changes.
+   !> Processes of every kind, samples missing, also before the first measurement, white noise whose
+   !> variance changes.
    subroutine test_dense()
       type(component_model_type) :: both
       logical :: here(50)

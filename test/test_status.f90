@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The error type, whose codes are part of the C interface; every status code of the library, and a call
-!> that gives it.
+!> The error type, whose codes are part of the C interface; every status code of the library, and a
+!> call that gives it.
 !>
 !> Two codes are not in the table: no procedure of the library gives `usage`, which is the program's for a wrong command line
 !> (test/cli/part_usage.sh), nor `internal`, with which it ends where its self-test fails (test/cli/part_selftest.sh).

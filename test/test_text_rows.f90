@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Rows of text read by several threads: the same as by one, and as line by line; files that change while
-!> they are read; the store of their chunks.
+!> Rows of text read by several threads: the same as by one, and as line by line; files that change
+!> while they are read; the store of their chunks.
 module test_text_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use expectations, only : unmet, failed => problem, test, error, check, check_refused, &
@@ -352,7 +352,7 @@ contains
       call check(error, index(failed%message, ": the file became shorter while it was read: 1600000 of 2400000 bytes") > 0)
    end subroutine test_shrinking
 
-   !> Appends a chunk of three columns, k, -k and k + 0.5 in row k of the store; some rows of it stay free.
+   !> Appends a chunk of three columns, k, -k and k + 0.5 in row k of the store; some rows stay free.
    subroutine fill_chunk(store, rows)
       type(store_type), intent(inout) :: store
       integer(int64), intent(in) :: rows

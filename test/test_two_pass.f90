@@ -219,7 +219,8 @@ contains
       if (unmet(.not. allocated(failure) .and. watch%done > 0, "no progress was reported")) return
       do i = 1, 3
          watch = watch_type(last_done=i*250000)
-         call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=watch)
+         call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, &
+                              progress=watch)
          if (unmet(allocated(failure) .and. watch%ordered, "the call is not ended")) return
          call check(error, failure%code, status%cancelled)
       end do

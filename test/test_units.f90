@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Units: every spelling, exact factors, messages; what columns measure, by their names and the units in them.
+!> Units: every spelling, exact factors, messages; what columns measure, by their names and the units
+!> in them.
 module test_units
    use expectations, only : failed => problem, test, error, check, check_refused
    use gyroakf_kinds, only : dp
