@@ -323,7 +323,7 @@ contains
       end do
       call run_adf(x(:8), adf_options(regression="n", lags=3), adf, problem)
       if (unmet(allocated(problem), "4 rows are too few for 4 regressors")) return
-      call check(error, index(problem%message, "there are 4") > 0, "the rows are told: "//problem%message)
+      call check(error, index(problem%message, "there are 4") > 0, "the number of rows is reported: "//problem%message)
    end subroutine test_short
 
    !> Constant, perfect line, perfect prediction: a status, no number.

@@ -244,7 +244,7 @@ contains
       end do
    end subroutine test_single
 
-   !> The gain that has settled is used where nothing is adapted, and nobody sees it
+   !> The settled gain is used where nothing is adapted, and changes no result
    subroutine test_settled()
       integer, parameter :: n = 20000
       type(component_model_type) :: model

@@ -142,7 +142,7 @@ contains
       call check(error, index(text, lf//"gyroscope_noise_density: 3.4907e-02  # rad/s/sqrt(Hz), N of gy"//lf) > 0, text)
    end subroutine test_unknown_channel
 
-   !> YAML 1.1 takes 1e6 for a text: rates are written so that nobody does.
+   !> YAML 1.1 takes 1e6 for a text: rates are written as numbers.
    subroutine test_rates()
       real(dp), parameter :: rate(4) = [200.0_dp, 99.98412_dp, 2.0e7_dp, 1.0e-5_dp]
       character(14), parameter :: expected(4) = [character(14) :: "200.0", "99.98412", "2.000000e+07", "1.000000e-05"]

@@ -22,24 +22,24 @@ contains
       call test("here", test_here)
    end subroutine suite_machine_memory
 
-   !> A parallel region has as many threads as are told; what cannot be is not set.
+   !> A parallel region has as many threads as were set; an impossible number is not set.
    subroutine test_count()
-      integer :: before, threads, told
+      integer :: before, threads, set
 
       before = thread_count()
       call check(error, before >= 1, "no thread")
       call set_thread_count(3)
-      told = thread_count()
+      set = thread_count()
       threads = 0
       !$omp parallel reduction(+:threads)
       threads = threads + 1
       !$omp end parallel
       call set_thread_count(0)
-      call check(error, thread_count(), told)
+      call check(error, thread_count(), set)
       call set_thread_count(before)
       if (allocated(error)) return
-      call check(error, threads, told, "threads of a parallel region")
-      !$ call check(error, told, 3, "threads that were asked for")
+      call check(error, threads, set, "threads of a parallel region")
+      !$ call check(error, set, 3, "threads that were asked for")
    end subroutine test_count
 
    !> Writes a file of one text.

@@ -216,7 +216,7 @@ contains
    end subroutine test_quantized
 
    subroutine test_quantized_without_n()
-      ! where N is withheld nothing is said of N without quantization
+      ! where N is withheld N without quantization is withheld
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
       real(dp), parameter :: lsb = 1.0_dp

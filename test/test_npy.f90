@@ -185,7 +185,7 @@ contains
       end do
    end subroutine test_orders
 
-   !> More columns than rows: the longer side is the time, and that is said; a single row is no question.
+   !> More columns than rows: the longer side is the time, with a warning; of a single row without one.
    subroutine test_longer_side()
       type(record_type) :: record
       integer :: k
@@ -243,7 +243,7 @@ contains
       end do
    end subroutine test_missing
 
-   !> Integers beyond 2^53 are told; those at it are not.
+   !> A warning of integers beyond 2^53, none of those at it.
    subroutine test_rounded()
       type(record_type) :: record
       integer(int64), parameter :: edge = 9007199254740992_int64

@@ -329,7 +329,7 @@ contains
                  index(result%channel(1)%warnings(1)%text, "at 9.8, 19.8, 29.8") > 0)
    end subroutine test_outlier_times
 
-   !> The second half has twice the noise of the first: a warning says so; of the record as it is nothing is said.
+   !> The second half has twice the noise of the first: a warning; none for the record as it is.
    subroutine test_changed_noise()
       type(record_type) :: record
       type(pipeline_result_type) :: result
@@ -352,7 +352,7 @@ contains
       end do
    end subroutine test_changed_noise
 
-   !> AR noise is no sum of the five terms, and the result says so; white noise is, and nothing is said.
+   !> AR noise is no sum of the five terms, and there is a warning; white noise is, and there is none.
    subroutine test_misfit()
       type(record_type) :: record
       type(simulate_options) :: options

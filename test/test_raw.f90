@@ -36,7 +36,7 @@ contains
    subroutine test_words()
       character(6), parameter :: word(10) = [character(6) :: "f64", "f32be", "i8", "i16le", "u64be", "f16", "u8be", "i32", &
          "u32", "i64"]
-      character(6), parameter :: told(10) = [character(6) :: "f64le", "f32be", "i8", "i16le", "u64be", "f16le", "u8", &
+      character(6), parameter :: full(10) = [character(6) :: "f64le", "f32be", "i8", "i16le", "u64be", "f16le", "u8", &
          "i32le", "u32le", &
                                             "i64le"]
       character(6), parameter :: wrong(8) = [character(6) :: "", "f8", "i12", "f64b", "be", "f128", "u16xe", "text"]
@@ -47,7 +47,7 @@ contains
       do i = 1, size(word)
          call parse_element(trim(word(i)), element, known)
          call check(error, known, trim(word(i)))
-         call check(error, trim(element_word(element)), trim(told(i)))
+         call check(error, trim(element_word(element)), trim(full(i)))
       end do
       call check(error, element_name(element), "int64")
       do i = 1, size(wrong)
@@ -105,7 +105,7 @@ contains
       call check(error, record%rate_source, "timestamps")
    end subroutine test_channels
 
-   !> Without a format the end of the name counts, which is said; text stays text.
+   !> Without a format the end of the name counts, with a warning; text stays text.
    subroutine test_name()
       type(record_type) :: record
 

@@ -402,7 +402,7 @@ contains
                  "0 1 / 0.1 2 / 0.2 1 ")
    end subroutine test_looks_like_time
 
-   !> Text, temperatures, further times and repeated names are left out, and it is said.
+   !> Text, temperatures, further times and repeated names are left out, with a warning.
    subroutine test_left_out()
       type(record_type) :: record
       type(reader_options) :: options

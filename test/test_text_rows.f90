@@ -189,7 +189,7 @@ contains
       call compare(table, kind)
    end subroutine test_returns
 
-   !> Of several lines that cannot be read the first one is told, wherever the others are.
+   !> Of several lines that cannot be read the first one is reported, wherever the others are.
    subroutine test_first_problem()
       integer, parameter :: lines = 400000
       type(table_type) :: table
