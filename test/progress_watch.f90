@@ -15,8 +15,8 @@ module progress_watch
       integer :: calls = 0
       character(:), allocatable :: stage
       integer(int64) :: done = -1, total = -1
-      !> Every call was within its total (0: unknown), and none went back within a stage
-      logical :: ordered = .true.
+      !> Every call was within its total (0: unknown); and none after one of the same stage went back
+      logical :: in_range = .true., ordered = .true.
    contains
       procedure :: advance
    end type watch_type
@@ -29,8 +29,9 @@ contains
       integer(int64), intent(in) :: done, total
       logical, intent(out) :: cancel
 
-      self%ordered = self%ordered .and. len(stage) > 0 .and. done >= 0 .and. &
+      self%in_range = self%in_range .and. len(stage) > 0 .and. done >= 0 .and. &
          & (done <= total .or. total == 0)
+      self%ordered = self%ordered .and. self%in_range
       if (allocated(self%stage)) then
          if (stage == self%stage) self%ordered = self%ordered .and. done >= self%done
       end if
