@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Tests by name, and what they expect. A check after one that failed does nothing: the first failure of a test is
-!> the one that is told.
+!> reported.
 module expectations
    use, intrinsic :: iso_fortran_env, only : output_unit
    use gyroakf_error, only : gyro_error => error_type
@@ -162,25 +162,24 @@ contains
 
    !> Fails unless actual agrees with expected, relatively.
    subroutine agree(actual, expected, allowed, what)
-      !> What came out, what should, the relative error allowed
+      !> Results, expected values, relative error allowed
       real(dp), intent(in) :: actual(:), expected(:), allowed
-      !> Name
-      character(*), intent(in) :: what
-      character(120) :: text
+      character(*), intent(in), optional :: what
+      character(200) :: text
       integer :: i
 
-      call check(error, size(actual), size(expected), what//": number of values")
+      call check(error, size(actual), size(expected), "number of values", what)
       if (allocated(error)) return
       do i = 1, size(expected)
-         write (text, '(2a, i0, ": ", es23.16, " is not ", es23.16)') what, " number ", i, actual(i), expected(i)
-         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), trim(text))
+         write (text, '("number ", i0, ": ", es24.16e3, " is not ", es24.16e3)') i, actual(i), expected(i)
+         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), trim(text), &
+            & what)
          if (allocated(error)) return
       end do
    end subroutine agree
 
    !> Fails unless the library refused, with this code.
    subroutine check_refused(said, code)
-      !> What the library said
       type(gyro_error), allocatable, intent(in) :: said
       !> What it should have said, one of `status`
       integer, intent(in) :: code
@@ -192,7 +191,6 @@ contains
 
    !> Whether the test has failed; it fails where the library says that something is wrong.
    logical function went_wrong(said, what)
-      !> What the library said
       type(gyro_error), allocatable, intent(in) :: said
       !> Which case it is
       character(*), intent(in), optional :: what

@@ -8,11 +8,10 @@ program test_main
    ! One line for every suite here, in alphabetical order ...
    use test_adf, only : suite_adf
    use test_adf_table, only : suite_adf_table
-   use test_allan_covariance, only : suite_allan_covariance
+   use test_allan_covariance, only : suite_allan_covariance, suite_allan_noise_model
    use test_allan_deviation, only : suite_allan_deviation
-   use test_allan_freedom, only : suite_allan_freedom
    use test_allan_gaps, only : suite_allan_gaps
-   use test_allan_grid, only : suite_allan_grid
+   use test_allan_grid, only : suite_allan_grid, suite_allan_freedom
    use test_allan_halves, only : suite_allan_halves
    use test_verdict, only : suite_verdict
    use test_allan_noise_fit, only : suite_allan_noise_fit
@@ -20,25 +19,22 @@ program test_main
    use test_chart, only : suite_chart
    use test_allan_read_off, only : suite_allan_read_off
    use test_allan_statistics, only : suite_allan_statistics
-   use test_allan_noise_model, only : suite_allan_noise_model
    use test_ar, only : suite_ar
-   use test_ar_roots, only : suite_ar_roots
-   use test_ar_spectrum, only : suite_ar_spectrum
+   use test_ar_roots, only : suite_ar_roots, suite_ar_spectrum
    use test_audit, only : suite_audit
    use test_auto_outliers, only : suite_auto_outliers
    use test_cadence, only : suite_cadence
    use test_report_models, only : suite_report_models
    use test_resample, only : suite_resample
-   use test_autocovariance, only : suite_autocovariance
+   use test_autocovariance, only : suite_autocovariance, suite_levinson
    use test_burg, only : suite_burg
    use test_clean, only : suite_clean
    use test_dates, only : suite_dates
    use test_decimal, only : suite_decimal
    use test_design, only : suite_design
-   use test_error, only : suite_error
    use test_fft, only : suite_fft
    use test_fisher, only : suite_fisher
-   use test_drift_adaptation, only : suite_drift_adaptation
+   use test_drift_adaptation, only : suite_drift_adaptation, suite_drift_steady
    use test_drift_filter, only : suite_drift_filter
    use test_two_pass, only : suite_two_pass
    use test_filter_series, only : suite_filter_series
@@ -50,16 +46,12 @@ program test_main
    use test_drift_identification, only : suite_drift_identification
    use test_figures, only : suite_figures
    use test_filter_saving, only : suite_filter_saving
-   use test_drift_steady, only : suite_drift_steady
    use test_json, only : suite_json
    use test_kalman, only : suite_kalman
    use test_least_squares, only : suite_least_squares
    use test_legacy, only : suite_legacy
-   use test_levinson, only : suite_levinson
-   use test_machine_memory, only : suite_machine_memory
    use test_moments, only : suite_moments
-   use test_normality, only : suite_normality
-   use test_anderson, only : suite_anderson
+   use test_normality, only : suite_normality, suite_anderson
    use test_quantisation, only : suite_quantisation
    use test_sort, only : suite_sort
    use test_npy, only : suite_npy
@@ -71,42 +63,34 @@ program test_main
    use test_pipeline, only : suite_pipeline
    use test_pipeline_drift, only : suite_pipeline_drift
    use test_pipeline_limits, only : suite_pipeline_limits
-   use test_progress, only : suite_progress
-   use test_progress_text, only : suite_progress_text
+   use test_progress, only : suite_progress, suite_progress_text
    use test_quasi_newton, only : suite_quasi_newton
    use test_random, only : suite_random
    use test_raw, only : suite_raw
    use test_reader, only : suite_reader
    use test_reader_errors, only : suite_reader_errors
    use test_odd, only : suite_odd
-   use test_store, only : suite_store
-   use test_text_rows, only : suite_text_rows
-   use test_record_writer, only : suite_record_writer
-   use test_release, only : suite_release
+   use test_text_rows, only : suite_text_rows, suite_store
+   use test_record_writer, only : suite_record_writer, suite_columns_writer
    use test_report, only : suite_report
    use test_sage_husa, only : suite_sage_husa
-   use test_selftest, only : suite_selftest
+   use test_selftest, only : suite_selftest, suite_release
    use test_simulate, only : suite_simulate
-   use test_simulate_disturbance, only : suite_simulate_disturbance
-   use test_simulate_sensor, only : suite_simulate_sensor
-   use test_status, only : suite_status
+   use test_simulate_sensor, only : suite_simulate_sensor, suite_simulate_disturbance
+   use test_status, only : suite_status, suite_error
    use test_special, only : suite_special
    use test_state_space, only : suite_state_space
    use test_summary, only : suite_summary
-   use test_table, only : suite_table
-   use test_tables, only : suite_tables
+   use test_table, only : suite_table, suite_tables
    use test_text, only : suite_text
    use test_trend, only : suite_trend
-   use test_column_class, only : suite_column_class
-   use test_columns_writer, only : suite_columns_writer
    use test_conventions, only : suite_conventions
    use test_kalibr, only : suite_kalibr
-   use test_threads, only : suite_threads
-   use test_units, only : suite_units
+   use test_machine, only : suite_threads, suite_machine_memory
+   use test_units, only : suite_units, suite_column_class
    use test_kpss, only : suite_kpss
-   use test_correlation, only : suite_correlation
    use test_welch, only : suite_welch
-   use test_whiteness, only : suite_whiteness
+   use test_whiteness, only : suite_whiteness, suite_correlation
    use test_writer, only : suite_writer
    use suite_runner, only : add, finish
    implicit none (type, external)

@@ -2,10 +2,14 @@
 !> Files that a test makes and removes, in the directory for temporary files.
 module scratch_file
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
+   use gyroakf_error, only : gyro_error => error_type
+   use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_kinds, only : int64
+   use gyroakf_record, only : record_type
    implicit none (type, external)
    private
-   public :: scratch_path, write_bytes, read_bytes, remove_file, remove_folder, file_exists
+   public :: scratch_path, write_bytes, read_bytes, read_content, remove_file, remove_folder, &
+      & file_exists
 
    interface
       function c_getpid() result(process) bind(C, name="getpid")
@@ -63,6 +67,18 @@ contains
       if (length > 0) read (unit) content
       close (unit)
    end function read_bytes
+
+   !> Reads a content as a record in a file of this name.
+   subroutine read_content(content, name, options, record, failed)
+      character(*), intent(in) :: content, name
+      type(reader_options), intent(in) :: options
+      type(record_type), intent(out) :: record
+      type(gyro_error), allocatable, intent(out) :: failed
+
+      call write_bytes(scratch_path(name), content)
+      call read_record(scratch_path(name), options, record, failed)
+      call remove_file(scratch_path(name))
+   end subroutine read_content
 
    !> Removes a file; harmless where there is none.
    subroutine remove_file(path)

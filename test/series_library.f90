@@ -5,6 +5,7 @@
 !> NIST SP 1065); e_t = (n_(12t) + ... + n_(12t+11))/2147483647 - 6, one division of an exact sum.
 module series_library
    use, intrinsic :: iso_fortran_env, only : dp => real64, int64
+   use allan_series, only : normal_series, uniform_series
    implicit none (type, external)
    private
    public :: reference_series, reference_names
@@ -12,7 +13,7 @@ module series_library
    !> Names that reference_series knows
    character(8), parameter :: reference_names(11) = [character(8) :: "wn", "wn_bm", "unif", "rw", "ar1", "ar1_99", "ar2", &
       & "trend", "quad", "offset", "sine"]
-   integer(int64), parameter :: modulus = 2147483647_int64
+   integer(int64), parameter :: first = 1234567890_int64, modulus = 2147483647_int64
 
 contains
 
@@ -20,7 +21,6 @@ contains
    function reference_series(name, n) result(x)
       !> One of reference_names
       character(*), intent(in) :: name
-      !> Length
       integer, intent(in) :: n
       real(dp), allocatable :: x(:)
       real(dp) :: e(n)
@@ -32,9 +32,9 @@ contains
       case ("wn")
          x = e
       case ("wn_bm")
-         x = box_muller(n)
+         x = normal_series(int(n, int64), first)
       case ("unif")
-         x = uniform(n)
+         x = uniform_series(int(n, int64), first)
       case ("rw")
          x = recursion(e, 1.0_dp, 0.0_dp)
       case ("ar1")
@@ -60,9 +60,7 @@ contains
 
    !> y_t = (e_t + a y_(t-1)) + b y_(t-2), from 0.
    pure function recursion(e, a, b) result(y)
-      !> Input
       real(dp), intent(in) :: e(:)
-      !> Coefficients
       real(dp), intent(in) :: a, b
       real(dp) :: y(size(e)), before, before2
       integer :: t
@@ -76,60 +74,22 @@ contains
       end do
    end function recursion
 
-   !> The next number of the generator.
-   pure integer(int64) function next(state)
-      !> The number before
-      integer(int64), intent(in) :: state
-
-      next = mod(16807_int64*state, modulus)
-   end function next
-
    !> Sums of twelve uniform numbers less 6.
    pure function white(n) result(e)
-      !> Length
       integer, intent(in) :: n
       real(dp) :: e(n)
       integer(int64) :: state, total
       integer :: t, j
 
-      state = 1234567890_int64
+      state = first
       do t = 1, n
          total = 0
          do j = 1, 12
             total = total + state
-            state = next(state)
+            state = mod(16807_int64*state, modulus)
          end do
          e(t) = real(total, dp)/real(modulus, dp) - 6.0_dp
       end do
    end function white
-
-   !> Uniform numbers in (0, 1).
-   pure function uniform(n) result(u)
-      !> Length
-      integer, intent(in) :: n
-      real(dp) :: u(n)
-      integer(int64) :: state
-      integer :: t
-
-      state = 1234567890_int64
-      do t = 1, n
-         u(t) = real(state, dp)/real(modulus, dp)
-         state = next(state)
-      end do
-   end function uniform
-
-   !> Normal numbers by the transformation of Box and Muller.
-   pure function box_muller(n) result(z)
-      !> Length
-      integer, intent(in) :: n
-      real(dp) :: z(n), u(n + 1)
-      integer :: t
-
-      u = uniform(n + 1)
-      do t = 1, n, 2
-         z(t) = sqrt(-2.0_dp*log(u(t)))*cos(2.0_dp*acos(-1.0_dp)*u(t + 1))
-         if (t < n) z(t + 1) = sqrt(-2.0_dp*log(u(t)))*sin(2.0_dp*acos(-1.0_dp)*u(t + 1))
-      end do
-   end function box_muller
 
 end module series_library

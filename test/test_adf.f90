@@ -3,7 +3,7 @@
 !> (integer cross products of the doubles of the series, 60 digits) and rounded once; series of
 !> series_library, 1000 samples each, at most 22 lags: adf_reference.
 module test_adf
-   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
+   use expectations, only : agree, unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
@@ -11,7 +11,7 @@ module test_adf
    use gyroakf_series_mackinnon, only : critical_values, p_value
    use gyroakf_series_adf, only : adf_options, adf_type, default_max_lags, run_adf => test_adf
    use series_library, only : reference_series, reference_names
-   use adf_reference, only : exact_lag, exact_statistic, exact_level, exact_variance, exact_p, exact_criterion
+   use adf_reference, only : chosen_lag, exact_criterion, exact_regression, exact_value
    implicit none (type, external)
    private
    public :: suite_adf
@@ -78,34 +78,55 @@ contains
       call run_adf([1.0_dp, 2.0_dp, 1.0_dp, 3.0_dp, 1.0_dp], adf_options(regression="n", lags=0), adf, problem)
       if (went_wrong(problem)) return
       call check(error, adf%statistic, -sqrt(15.0_dp)/3.0_dp/sqrt((10.0_dp - 5.0_dp/3.0_dp)/3.0_dp), thr=tolerance)
+      call check(error, adf%noise_variance, (10.0_dp - 5.0_dp/3.0_dp)/3.0_dp, thr=tolerance)
       call check(error, adf%observations == 4_int64 .and. adf%lag == 0, "rows or lag")
    end subroutine test_by_hand
 
-   !> Eleven series, four regressions, three criteria: the lag, the statistic to 1e-12, the p-value.
+   !> Eleven series, four regressions: the lags that three criteria choose, and statistic and
+   !> coefficient of the level at these and at given lags.
    subroutine test_reference()
       type(adf_type) :: adf
-      type(adf_options) :: options
       character(40) :: what
       integer :: i, j, k
 
+      do k = 1, size(exact_regression, 2)
+         i = exact_regression(1, k)
+         j = exact_regression(2, k)
+         write (what, '(a, 1x, a, " lag ", i0)') trim(reference_names(i)), regressions(j), &
+            & exact_regression(3, k)
+         call run_adf(reference_series(trim(reference_names(i)), 1000), &
+                      adf_options(regressions(j), exact_regression(3, k)), adf, problem)
+         if (went_wrong(problem, what)) return
+         call check(error, adf%lag == exact_regression(3, k) .and. &
+            & adf%observations == 999 - adf%lag, what)
+         call close_to(adf%statistic, exact_value(1, k), tolerance, what)
+         call agree([adf%level], exact_value(2:2, k), tolerance, what)
+      end do
       do i = 1, size(reference_names)
          do j = 1, 4
-            do k = 1, 6
-               what = trim(reference_names(i))//" "//trim(regressions(j))//" "//criteria(min(k, 3))
-               options = adf_options(regression=regressions(j), criterion=criteria(min(k, 3)))
-               if (k > 3) options%lags = exact_lag(k, j, i)
-               call run_adf(reference_series(trim(reference_names(i)), 1000), options, adf, problem)
+            do k = 1, 3
+               what = trim(reference_names(i))//" "//trim(regressions(j))//" "//criteria(k)
+               call run_adf(reference_series(trim(reference_names(i)), 1000), &
+                            adf_options(regression=regressions(j), criterion=criteria(k)), adf, &
+                               & problem)
                if (went_wrong(problem, what)) return
-               call check(error, adf%lag == exact_lag(k, j, i) .and. adf%observations == 999 - adf%lag, what)
-               call close_to(adf%statistic, exact_statistic(k, j, i), tolerance, what)
-               call same([adf%level, adf%noise_variance], [exact_level(k, j, i), exact_variance(k, j, i)], tolerance, what)
-               call same([adf%p_value], [exact_p(k, j, i)], tail_tolerance, "p-value of "//what)
-               if (k <= 3) call same([adf%criterion_value], [exact_criterion(k, j, i)], &
-                                       merge(small_difference, tolerance, k == 3), "criterion of "//what)
+               call check(error, adf%lag == chosen_lag(k, j, i) .and. &
+                  & adf%observations == 999 - adf%lag, what)
+               call close_to(adf%statistic, exact_statistic(i, j, adf%lag), tolerance, what)
+               call agree([adf%criterion_value], [exact_criterion(k, j, i)], &
+                          merge(small_difference, tolerance, k == 3), "criterion of "//what)
             end do
          end do
       end do
    end subroutine test_reference
+
+   !> The statistic of a series, regression and lag in the table.
+   pure real(dp) function exact_statistic(series, regression, lag)
+      integer, intent(in) :: series, regression, lag
+
+      exact_statistic = exact_value(1, findloc(exact_regression(1, :) == series .and. &
+         & exact_regression(2, :) == regression .and. exact_regression(3, :) == lag, .true., 1))
+   end function exact_statistic
 
    !> 12,000 samples, AIC.
    subroutine test_long()
@@ -118,47 +139,23 @@ contains
             if (went_wrong(problem, long_names(i))) return
             call check(error, adf%lag, long_lag(j, i), long_names(i))
             call close_to(adf%statistic, long_statistic(j, i), tolerance, long_names(i))
-            call same([adf%p_value], [long_p(j, i)], tail_tolerance, long_names(i))
+            call agree([adf%p_value], [long_p(j, i)], tail_tolerance, long_names(i))
          end do
       end do
    end subroutine test_long
 
-   !> Relative to the value, however small it is.
-   subroutine same(actual, expected, allowed, what)
-      !> What came out, what should
-      real(dp), intent(in) :: actual(:), expected(:)
-      !> How far off it may be
-      real(dp), intent(in) :: allowed
-      !> Which
-      character(*), intent(in) :: what
-      character(160) :: text
-      integer :: i
-
-      do i = 1, size(actual)
-         write (text, '(a, ": ", es24.16, " is not ", es24.16)') trim(what), actual(i), expected(i)
-         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), trim(text))
-      end do
-   end subroutine same
-
    !> Relative to the larger of 1 and the value.
    subroutine close_to(actual, expected, allowed, what)
-      !> What came out, what should, how far off it may be
       real(dp), intent(in) :: actual, expected, allowed
-      !> Which
       character(*), intent(in) :: what
-      character(160) :: text
 
-      write (text, '(a, ": ", es24.16, " is not ", es24.16)') trim(what), actual, expected
-      call check(error, abs(actual - expected) <= allowed*max(1.0_dp, abs(expected)), trim(text))
+      call check(error, actual, expected, what, thr=allowed*max(1.0_dp, abs(expected)))
    end subroutine close_to
 
    !> The statistic from the full regression matrix by Householder reflections.
    function dense_statistic(x, terms, lags, valid) result(statistic)
-      !> Series
       real(dp), intent(in) :: x(0:)
-      !> Deterministic terms, lags
       integer, intent(in) :: terms, lags
-      !> 1 present, 0 missing
       integer(int8), intent(in) :: valid(0:)
       real(dp) :: statistic
       real(dp), allocatable :: a(:, :), b(:, :), work(:)
@@ -245,6 +242,8 @@ contains
          if (went_wrong(problem)) return
          call check(error, a%lag, b%lag)
          call close_to(b%statistic, a%statistic, 1.0e-11_dp, regressions(j))
+         call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=1.0e-11_dp, &
+            & rel=.true.)
       end do
       call run_adf(x, adf_options(regression="n"), a, problem)
       call run_adf(-x*2.0_dp**100, adf_options(regression="n"), b, problem)
@@ -260,7 +259,7 @@ contains
          call run_adf(1.0e6_dp + 1.0e-3_dp*reference_series("ar1", 1000), adf_options(regression=regressions(j)), adf, problem)
          if (went_wrong(problem)) return
          call check(error, adf%lag, 5)
-         call close_to(adf%statistic, exact_statistic(1, j, 5), 1.0e-7_dp, regressions(j))
+         call close_to(adf%statistic, exact_statistic(5, j, 5), 1.0e-7_dp, regressions(j))
       end do
    end subroutine test_large_offset
 
@@ -324,7 +323,7 @@ contains
       end do
       call run_adf(x(:8), adf_options(regression="n", lags=3), adf, problem)
       if (unmet(allocated(problem), "4 rows are too few for 4 regressors")) return
-      call check(error, index(problem%message, "there are 4") > 0, "the rows are told: "//problem%message)
+      call check(error, index(problem%message, "there are 4") > 0, "the number of rows is reported: "//problem%message)
    end subroutine test_short
 
    !> Constant, perfect line, perfect prediction: a status, no number.
@@ -366,13 +365,9 @@ contains
 
    !> Fails unless the test is refused with the code.
    subroutine refused(x, options, code, valid)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Options
       type(adf_options), intent(in) :: options
-      !> Expected
       integer, intent(in) :: code
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(adf_type) :: adf
 

@@ -5,10 +5,9 @@ module test_adf_table
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
    use gyroakf_lapack, only : dgels, dtrtri
-   use gyroakf_progress, only : progress_type
+   use progress_watch, only : watch_type
    use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, &
-      & plan_autocovariance, &
-      & need_autocovariance
+      & plan_autocovariance, need_autocovariance
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_series_adf, only : adf_options, adf_type, run_adf => test_adf
    use series_library, only : reference_series
@@ -18,13 +17,6 @@ module test_adf_table
    public :: suite_adf_table
 
    character(3), parameter :: regressions(4) = [character(3) :: "n", "c", "ct", "ctt"]
-
-   !> Ends the call when it is asked for the second time
-   type, extends(progress_type) :: impatient_type
-      integer :: calls = 0
-   contains
-      procedure :: advance => lose_patience
-   end type impatient_type
 
 contains
 
@@ -66,13 +58,9 @@ contains
 
    !> Coefficients and standard errors of the regression in the user's own columns: 1, s, s^2 with s = 1, 2, ..., level, lags.
    subroutine solve_dense(x, terms, lags, valid, value, std_error)
-      !> Series
       real(dp), intent(in) :: x(0:)
-      !> Deterministic terms, lags
       integer, intent(in) :: terms, lags
-      !> 1 present, 0 missing
       integer(int8), intent(in) :: valid(0:)
-      !> The coefficients, their errors
       real(dp), allocatable, intent(out) :: value(:), std_error(:)
       real(dp), allocatable :: a(:, :), b(:, :), work(:)
       integer :: t, j, m, k, info
@@ -144,7 +132,8 @@ contains
       type(adf_type) :: adf
 
       call run_adf(reference_series("ar1", 500), adf_options(), adf, problem)
-      call check(error, .not. (allocated(problem) .or. allocated(adf%table)), "a table that nobody asked for")
+      call check(error, .not. (allocated(problem) .or. allocated(adf%table)), &
+         & "an unrequested table")
    end subroutine test_only_when_asked
 
    !> The autocovariances made on the way are those of a pass of their own: lengths around chunks, gaps, an offset; also where the
@@ -181,11 +170,8 @@ contains
 
    !> Fails unless both give the same.
    subroutine agree(x, shared, valid)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Filled
       type(autocovariance_type), intent(in) :: shared
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       real(dp), allocatable :: r(:)
       integer(int64), allocatable :: pairs(:)
@@ -300,25 +286,13 @@ contains
       call check_refused(problem, status%non_finite)
    end subroutine test_non_finite
 
-   !> Asks to stop the second time.
-   subroutine lose_patience(self, stage, done, total, cancel)
-      !> Counts
-      class(impatient_type), intent(inout) :: self
-      !> As of progress_type
-      character(*), intent(in) :: stage
-      integer(int64), intent(in) :: done, total
-      logical, intent(out) :: cancel
-
-      self%calls = self%calls + 1
-      cancel = self%calls > 1 .and. done < total .and. len(stage) > 0
-   end subroutine lose_patience
-
    !> A long test can be cancelled.
    subroutine test_cancel()
-      type(impatient_type) :: impatient
+      type(watch_type) :: watch
       type(adf_type) :: adf
 
-      call run_adf(reference_series("ar1", 140000), adf_options(), adf, problem, progress=impatient)
+      watch%last_call = 2
+      call run_adf(reference_series("ar1", 140000), adf_options(), adf, problem, progress=watch)
       call check_refused(problem, status%cancelled)
    end subroutine test_cancel
 

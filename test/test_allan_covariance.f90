@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the analytic covariance of Allan variances, against the sum over every lag in quadruple precision.
+!> Tests of the analytic covariance of Allan variances, against the sum over every lag in quadruple
+!> precision, and of the five noise terms, against numbers from the literature.
 module test_allan_covariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use, intrinsic :: iso_fortran_env, only : qp => real128
    use gyroakf_kinds, only : dp, int64
    use gyroakf_allan_fit_covariance, only : covariance_basis, mixture_covariances, mixture_freedom
    use expectations, only : test, error, check
+   use gyroakf_allan_noise_model, only : model_variance
    implicit none (type, external)
    private
-   public :: suite_allan_covariance
+   public :: suite_allan_covariance, suite_allan_noise_model
 
    !> Samples, factors
    integer(int64), parameter :: samples = 200, factors(5) = [1, 3, 16, 60, 100]
@@ -18,15 +20,14 @@ module test_allan_covariance
 contains
 
    subroutine suite_allan_covariance()
-      call test("quantisation", test_quantisation)
-      call test("white", test_white)
-      call test("flicker", test_flicker)
-      call test("walk", test_walk)
-      call test("mixture", test_mixture)
-      call test("ramp", test_ramp)
+      call test("full_sums", test_full_sums)
       call test("known_freedom", test_known_freedom)
       call test("huge_record", test_huge_record)
    end subroutine suite_allan_covariance
+
+   subroutine suite_allan_noise_model()
+      call test("terms", test_terms)
+   end subroutine suite_allan_noise_model
 
    !> Fails unless the matrix agrees with the full sums.
    subroutine compare(squares, allowed)
@@ -57,11 +58,8 @@ contains
 
    !> The covariance as the sum over all pairs of terms.
    pure real(dp) function full_sum(m, n, squares)
-      !> Factors
       integer(int64), intent(in) :: m, n
-      !> Q^2 N^2 B^2 K^2 R^2
       real(dp), intent(in) :: squares(5)
-
       integer, parameter :: c(0:2) = [1, -2, 1]
       integer(int64) :: lag, terms_m, terms_n, pairs
       integer :: a, b
@@ -85,11 +83,8 @@ contains
 
    !> Generalised autocovariance of the phase.
    pure real(qp) function autocovariance(lag, squares)
-      !> Lag, >= 0
       integer(int64), intent(in) :: lag
-      !> Q^2 N^2 B^2 K^2 R^2
       real(dp), intent(in) :: squares(5)
-
       real(qp), parameter :: two_pi = 6.28318530717958647692528676655900577_qp
       real(qp) :: t
 
@@ -99,30 +94,16 @@ contains
       if (lag > 0 .and. squares(3) > 0) autocovariance = autocovariance + squares(3)/two_pi*t**2*log(t)
    end function autocovariance
 
-   subroutine test_quantisation()
+   !> Each term alone, but for the ramp, and mixtures.
+   subroutine test_full_sums()
       call compare([2.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 1.0e-13_dp)
-   end subroutine test_quantisation
-
-   subroutine test_white()
       call compare([0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], quadrature)
-   end subroutine test_white
-
-   subroutine test_flicker()
       call compare([0.0_dp, 0.0_dp, 3.0_dp, 0.0_dp, 0.0_dp], quadrature)
-   end subroutine test_flicker
-
-   subroutine test_walk()
       call compare([0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp], quadrature)
-   end subroutine test_walk
-
-   subroutine test_mixture()
       call compare([1.0_dp, 1.0_dp, 0.1_dp, 0.01_dp, 0.0_dp], quadrature)
-   end subroutine test_mixture
-
-   subroutine test_ramp()
       ! the ramp's own mean meets the noise: terms of both kinds weigh about the same
       call compare([0.5_dp, 1.0_dp, 0.01_dp, 1.0e-4_dp, 1.0e-4_dp], quadrature)
-   end subroutine test_ramp
+   end subroutine test_full_sums
 
    subroutine test_known_freedom()
       ! white rate noise: edf = (3 n/(2 m) - 2 (n - 1)/(n + 1)) 4 m^2/(4 m^2 + 5), NIST SP 1065, table 5, an approximation
@@ -157,5 +138,19 @@ contains
          end do
       end do
    end subroutine test_huge_record
+
+   subroutine test_terms()
+      ! IEEE Std 952, annex C, at tau = 4: 3 Q^2/tau^2, N^2/tau, (2 ln 2/pi) B^2 with sqrt(2 ln 2/pi) = 0.664282...,
+      ! K^2 tau/3, R^2 tau^2/2
+      real(dp), parameter :: expected(5) = [0.1875_dp, 0.25_dp, 0.44127120030530298_dp, 4.0_dp/3, 8.0_dp]
+      real(dp) :: squares(5)
+      integer :: i
+
+      do i = 1, 5
+         squares = 0
+         squares(i) = 1
+         call check(error, model_variance(squares, 4.0_dp), expected(i), thr=1.0e-14_dp, rel=.true.)
+      end do
+   end subroutine test_terms
 
 end module test_allan_covariance

@@ -9,7 +9,7 @@ module test_allan_deviation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
-   use allan_series, only : nbs14_long, nbs14_short, normal_series, walk_of
+   use allan_series, only : no_curve, nbs14_long, nbs14_short, normal_series, walk_of
    implicit none (type, external)
    private
    public :: suite_allan_deviation
@@ -38,35 +38,13 @@ contains
       call test("failures", test_failures)
    end subroutine suite_allan_deviation
 
-   !> The curve at these averaging times; stops the test on failure.
-   logical function no_curve(rate, interval, taus, curve, valid)
-      !> The record
-      real(dp), intent(in), contiguous :: rate(:)
-      real(dp), intent(in) :: interval
-      character(*), intent(in) :: taus
-      !> The result
-      type(allan_curve_type), intent(out) :: curve
-      !> Missing samples
-      integer(int8), intent(in), contiguous, optional :: valid(:)
-
-      type(allan_options) :: options
-
-      options%taus = taus
-      if (present(valid)) then
-         call compute_allan(rate, interval, options, curve, failure, valid)
-      else
-         call compute_allan(rate, interval, options, curve, failure)
-      end if
-      no_curve = went_wrong(failure)
-   end function no_curve
-
    subroutine test_nbs14_factors()
       real(dp), parameter :: expected(12) = [0.2010160421709385_dp, 0.1447913072184378_dp, 0.1057038500787000_dp, &
          & 0.06191477841874487_dp, 0.04808214262128163_dp, 0.03623721298570472_dp, 0.02767385582069448_dp, &
          & 0.01028221763903273_dp, 0.008244123626136666_dp, 0.002832505364418703_dp, 0.002158165703661819_dp, 0.0_dp]
       type(allan_curve_type) :: curve
 
-      if (no_curve(nbs14_long(), 1.0_dp, "2,4,8,16,32,64,128,256,333,499,500", curve)) return
+      if (no_curve("oadev", nbs14_long(), "2,4,8,16,32,64,128,256,333,499,500", curve)) return
       call agree(curve%deviation, expected(:11), exact, "deviation")
       call check(error, all(curve%terms == 1001 - 2*curve%m))
    end subroutine test_nbs14_factors
@@ -76,7 +54,7 @@ contains
       real(dp) :: rate(1000)
 
       rate = 0.1_dp
-      if (no_curve(rate, 1.0_dp, "octave", curve)) return
+      if (no_curve("oadev", rate, "octave", curve)) return
       call check(error, all(curve%deviation <= 1.0e-15_dp), "a constant has no deviation")
       call check(error, all(curve%lower <= curve%deviation .and. curve%deviation <= curve%upper))
    end subroutine test_constant
@@ -102,7 +80,7 @@ contains
             series(i, :) = [g(i), series(i - 1, 2) + g(i), g(i) - g(i - 1), phi*series(i - 1, 4) + g(i)]
          end do
          do kind = 1, 4
-            if (no_curve(series(:, kind), 1.0_dp, "1,2,5,10,50", curve)) return
+            if (no_curve("oadev", series(:, kind), "1,2,5,10,50", curve)) return
             found(:, kind) = found(:, kind) + curve%deviation**2/runs
          end do
       end do
@@ -125,15 +103,15 @@ contains
          rate(i) = step*anint(angle/step) - before
          before = step*anint(angle/step)
       end do
-      if (no_curve(rate, 1.0_dp, "1,3,10,30,100", curve)) return
+      if (no_curve("oadev", rate, "1,3,10,30,100", curve)) return
       call agree(curve%deviation(3:4), sqrt(3.0_dp)*step/sqrt(12.0_dp)/curve%tau(3:4), 0.35_dp, "deviation")
    end subroutine test_rounding
 
    subroutine test_scale()
       type(allan_curve_type) :: plain, scaled
 
-      if (no_curve(nbs14_long(), 1.0_dp, "log:8", plain)) return
-      if (no_curve(-1.0e-9_dp*nbs14_long() + 3, 0.5_dp, "log:8", scaled)) return
+      if (no_curve("oadev", nbs14_long(), "log:8", plain)) return
+      if (no_curve("oadev", -1.0e-9_dp*nbs14_long() + 3, "log:8", scaled, interval=0.5_dp)) return
       call agree(scaled%deviation*1.0e9_dp, plain%deviation, 1.0e-5_dp, "deviation")
       call agree(scaled%tau, 0.5_dp*plain%tau, exact, "tau")
       call agree(scaled%edf, plain%edf, exact, "edf")
@@ -151,7 +129,7 @@ contains
       do i = 1, size(lengths)
          n = lengths(i)
          rate = normal_series(int(n, int64), 17_int64)
-         if (no_curve(rate, 1.0_dp, "3", curve)) return
+         if (no_curve("oadev", rate, "3", curve)) return
          expected = 0
          do k = 1, n - 2*m + 1
             expected = expected + (sum(rate(k + m:k + 2*m - 1)) - sum(rate(k:k + m - 1)))**2
@@ -167,9 +145,9 @@ contains
       real(dp) :: rate(9999)
 
       rate = normal_series(9999_int64, 404_int64)
-      if (no_curve(rate, 1.0_dp, "1,2,4,8,16,2048,4096", octaves)) return
-      if (no_curve(rate, 1.0_dp, "1,4,16,4096", odd)) return
-      if (no_curve(rate, 1.0_dp, "2,8,2048", even)) return
+      if (no_curve("oadev", rate, "1,2,4,8,16,2048,4096", octaves)) return
+      if (no_curve("oadev", rate, "1,4,16,4096", odd)) return
+      if (no_curve("oadev", rate, "2,8,2048", even)) return
       call agree(octaves%deviation([1, 3, 5, 7]), odd%deviation, 1.0e-14_dp, "deviation")
       call agree(octaves%deviation([2, 4, 6]), even%deviation, 1.0e-14_dp, "deviation")
    end subroutine test_octave_pairs
@@ -186,7 +164,7 @@ contains
 
       rate = normal_series(int(n, int64), 18_int64) + 1.0e6_dp
       phase = exact_phase(rate)
-      if (no_curve(rate, 1.0_dp, taus, curve)) return
+      if (no_curve("oadev", rate, taus, curve)) return
       call check(error, all(curve%m == m), "factors")
       do i = 1, size(m)
          if (allocated(error)) return
@@ -220,11 +198,9 @@ contains
 
    !> Marks a share of the samples as missing, at random, and spoils their values.
    subroutine lose(rate, share, seed, valid)
-      !> The record
       real(dp), intent(inout) :: rate(:)
       real(dp), intent(in) :: share
       integer, intent(in) :: seed
-      !> 1 present, 0 missing
       integer(int8), intent(out) :: valid(:)
 
       valid = merge(0_int8, 1_int8, abs(normal_series(size(rate, kind=int64), int(seed, int64))) < share*1.2533_dp)
@@ -241,9 +217,9 @@ contains
       g = normal_series(int(n, int64), 5151_int64)
       rate(1) = 0
       rate(2:) = g(2:) - g(:n - 1)
-      if (no_curve(rate, 1.0_dp, "1,10,50,100", whole)) return
+      if (no_curve("oadev", rate, "1,10,50,100", whole)) return
       call lose(rate, 0.003_dp, 77, valid)
-      if (no_curve(rate, 1.0_dp, "1,10,50,100", curve, valid)) return
+      if (no_curve("oadev", rate, "1,10,50,100", curve, valid)) return
       call agree(curve%deviation, whole%deviation, 0.08_dp, "deviation with and without gaps")
    end subroutine test_gaps_quantised
 
@@ -257,7 +233,7 @@ contains
 
       rate = [(real(i, dp), i=1, n)]
       call lose(rate, 0.05_dp, 5, valid)
-      if (no_curve(rate, 1.0_dp, "100,1000,5000", curve, valid)) return
+      if (no_curve("oadev", rate, "100,1000,5000", curve, valid)) return
       call agree(curve%deviation, curve%tau/sqrt(2.0_dp), 0.002_dp, "deviation")
    end subroutine test_gaps_ramp
 
@@ -284,12 +260,12 @@ contains
 
       valid = 1
       valid([5, 600, 999]) = 0
-      if (no_curve(nbs14_long(), 1.0_dp, "octave", marked, valid)) return
+      if (no_curve("oadev", nbs14_long(), "octave", marked, valid)) return
       rate = nbs14_long()
       rate(5) = ieee_value(rate(5), ieee_quiet_nan)
       rate(600) = ieee_value(rate(5), ieee_positive_inf)
       rate(999) = -rate(600)
-      if (no_curve(rate, 1.0_dp, "octave", unmarked)) return
+      if (no_curve("oadev", rate, "octave", unmarked)) return
       call agree(unmarked%deviation, marked%deviation, exact, "deviation")
    end subroutine test_non_finite
 
@@ -298,15 +274,15 @@ contains
       integer(int8) :: valid(1000)
 
       valid = 1
-      if (no_curve(nbs14_long(), 1.0_dp, "all", plain)) return
-      if (no_curve(nbs14_long(), 1.0_dp, "all", masked, valid)) return
+      if (no_curve("oadev", nbs14_long(), "all", plain)) return
+      if (no_curve("oadev", nbs14_long(), "all", masked, valid)) return
       call agree(masked%deviation, plain%deviation, 0.0_dp, "deviation")
    end subroutine test_nothing_missing
 
    subroutine test_shortest()
       type(allan_curve_type) :: curve
 
-      if (no_curve([1.0_dp, 4.0_dp], 2.0_dp, "octave", curve)) return
+      if (no_curve("oadev", [1.0_dp, 4.0_dp], "octave", curve, interval=2.0_dp)) return
       call agree(curve%deviation, [3/sqrt(2.0_dp)], exact, "deviation")
       call agree([curve%tau, curve%edf], [2.0_dp, 1.0_dp], exact, "tau and edf")
    end subroutine test_shortest
@@ -318,13 +294,13 @@ contains
 
       g = normal_series(int(n, int64), 11_int64)
       h = normal_series(int(n, int64), 12_int64)
-      if (no_curve(g, 1.0_dp, "1,10,100,5000", curve)) return
+      if (no_curve("oadev", g, "1,10,100,5000", curve)) return
       call check(error, all(curve%alpha == 0), "white rate noise")
       rate(1) = 0
       rate(2:) = g(2:) - g(:n - 1)
-      if (no_curve(rate, 1.0_dp, "1,10,100", curve)) return
+      if (no_curve("oadev", rate, "1,10,100", curve)) return
       call check(error, all(curve%alpha == 2), "white phase noise")
-      if (no_curve(walk_of(g, h), 1.0_dp, "1,10,100,5000", curve)) return
+      if (no_curve("oadev", walk_of(g, h), "1,10,100,5000", curve)) return
       call check(error, all(curve%alpha == -2), "random walk")
    end subroutine test_noise_type
 

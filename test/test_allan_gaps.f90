@@ -35,7 +35,6 @@ contains
 
    !> 1 present, 0 missing.
    pure function presence(n, pattern) result(valid)
-      !> Samples
       integer, intent(in) :: n
       !> Which, 1 .. patterns
       integer, intent(in) :: pattern
@@ -51,7 +50,6 @@ contains
 
    !> Phase and count of the missing samples as the library's sums take them.
    pure subroutine integrate(rate, valid, phase, missing)
-      !> The record and what is there of it: [n]
       real(dp), intent(in) :: rate(:)
       integer(int8), intent(in) :: valid(:)
       !> Results: [0:n]
@@ -70,14 +68,12 @@ contains
 
    !> Adds the square of the difference of two weighted means of the present samples, and what white noise adds to it.
    pure subroutine add_difference(rate, valid, weight, coverage, sums, white)
-      !> The record and what is there of it: [n]
       real(dp), intent(in) :: rate(:)
       integer(int8), intent(in) :: valid(:)
       !> Weights of the first and the second mean: [n, 2]
       real(dp), intent(in) :: weight(:, :)
       !> Share of the weights that must be there
       real(dp), intent(in) :: coverage
-      !> Squares and terms to add to
       type(gap_sums_type), intent(inout) :: sums
       !> Sum over the samples of the squared weights of the difference, less those of the complete record
       real(dp), intent(inout) :: white
@@ -97,11 +93,9 @@ contains
    end subroutine add_difference
 
    subroutine compare(found, expected, white, label)
-      !> Sums of the library, and those of the definition
       type(gap_sums_type), intent(in) :: found, expected
       !> Inflation by the definition
       real(dp), intent(in) :: white
-      !> What was compared
       character(*), intent(in) :: label
 
       call check(error, found%terms == expected%terms, label//": terms")
@@ -199,7 +193,6 @@ contains
 
    !> Mean ratio of the variances with gaps to those of the complete record, over some records.
    subroutine mean_ratio(kind, walk, pattern, runs, ratio)
-      !> Statistic
       character(*), intent(in) :: kind
       !> Random walk, else white noise
       logical, intent(in) :: walk

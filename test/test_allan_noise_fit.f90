@@ -8,8 +8,8 @@ module test_allan_noise_fit
    use gyroakf_allan_fit_solver, only : solve_nonnegative
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_allan_noise_model, only : model_variance
-   use allan_series, only : nbs14_long, normal_series, uniform_series, walk_of
-   use noise_fit_runs, only : not_fitted, mixed_record
+   use allan_series, only : nbs14_long, normal_series, uniform_series, walk_of, not_fitted, &
+      & mixed_record
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
@@ -138,11 +138,9 @@ contains
 
    !> A curve that is the model itself, at 1, 2, 4 ... samples of 0.01 s.
    subroutine synthetic_curve(coefficient, points, samples, curve)
-      !> Q N B K R
       real(dp), intent(in) :: coefficient(5)
       integer, intent(in) :: points
       integer(int64), intent(in) :: samples
-      !> The curve, edf as if by rule of thumb
       type(allan_curve_type), intent(out) :: curve
 
       integer :: i

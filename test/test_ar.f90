@@ -2,7 +2,9 @@
 !> Tests of the AR models and their criteria. The reference values were computed in exact arithmetic
 !> from the doubles of the series (series_library, 1000 samples each) and rounded once.
 module test_ar
-   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
+   use expectations, only : agree, unmet, problem, test, error, check, check_refused, went_wrong
+   use ar_reference, only : levinson_variance
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
    use gyroakf_ar_ar_types, only : ar_order_type, best_order, criterion_number, order_criteria
@@ -13,6 +15,7 @@ module test_ar
    public :: suite_ar
 
    real(dp), parameter :: tolerance = 1.0e-12_dp
+   character(4), parameter :: methods(3) = [character(4) :: "yw", "burg", "ols"]
    real(dp), parameter :: log_two_pi = 1.8378770664093454836_dp
    !> AR(4) coefficients in the order of reference_names
    real(dp), parameter :: phi_of(4,11) = reshape([ &
@@ -27,49 +30,6 @@ module test_ar
       & 0.7202276590036978_dp, -0.022293583499174638_dp, 0.038684281654896166_dp, -0.06235416752179739_dp, &
       & 0.7093401119057335_dp, -0.025395087474750555_dp, 0.03554436939447533_dp, -0.07275282051907968_dp, &
       & 0.048787379869141174_dp, 0.01221372604674299_dp, 0.046175075232779715_dp, -0.0601191610505398_dp], [4, 11])
-   !> n ln s2 + 2 p + 2 for the orders 1 .. 6: differs from our AIC by n (1 + ln 2 pi) + 2
-   real(dp), parameter :: aic_of(6,11) = reshape([ &
-      & -52.31151078610661_dp, -50.55360703692699_dp, -49.12266968676223_dp, -52.131484784590754_dp, &
-      & -50.55404444866993_dp, -50.293045993265295_dp, 42.54035221203752_dp, 43.15184135586016_dp, &
-      & 44.021992827238115_dp, 45.92367280192212_dp, 45.46190635874407_dp, 45.28586316396803_dp, &
-      & -2484.0649824148973_dp, -2482.378003374956_dp, -2480.3835633756785_dp, -2479.3280988673164_dp, &
-      & -2479.6269494380103_dp, -2477.8481875975153_dp, 248.90781269675506_dp, 250.79029611708458_dp, &
-      & 252.513667586148_dp, 253.86352312218202_dp, 253.94439431440344_dp, 255.94432013592683_dp, &
-      & -52.5417201212365_dp, -51.7783651431768_dp, -50.039143910193346_dp, -53.34617421835038_dp, &
-      & -51.78015656308722_dp, -54.69259192956211_dp, -56.23048012650686_dp, -54.852216433291254_dp, &
-      & -52.86784439540896_dp, -52.53135680549762_dp, -53.583094327790135_dp, -52.50839841948794_dp, &
-      & 276.2261611373327_dp, -50.164732963900086_dp, -48.83300221692868_dp, -50.54283318378885_dp, &
-      & -48.544499102676276_dp, -54.27396995164019_dp, 174.28530366675793_dp, 140.29139749692726_dp, &
-      & 105.5209415037262_dp, 101.21515501440584_dp, 78.3360226514247_dp, 74.16326784361652_dp, &
-      & -42.78083638591237_dp, -41.43075511861705_dp, -39.46980852740173_dp, -41.36542881982841_dp, &
-      & -40.35499917983621_dp, -41.97151862305853_dp, -13868.052278143203_dp, -13867.288923167776_dp, &
-      & -13865.549701934637_dp, -13868.856732234733_dp, -13867.290714579729_dp, -13870.203149950446_dp, &
-      & -15.675225146870533_dp, -13.858863353215861_dp, -13.744101739551517_dp, -15.364962677130036_dp, &
-      & -13.835680400053043_dp, -14.423024969334335_dp], [6, 11])
-   !> n ln s2 + p ln n: differs from our BIC by n (1 + ln 2 pi) + 2 ln n
-   real(dp), parameter :: bic_of(6,11) = reshape([ &
-      & -49.40375550712447_dp, -42.73809647896272_dp, -36.39940384981582_dp, -34.500463668662206_dp, &
-      & -28.015268053759243_dp, -22.846514319372474_dp, 45.448107491019655_dp, 50.96735191382443_dp, &
-      & 56.745258664184526_dp, 63.55469391785067_dp, 68.00068275365476_dp, 72.73239483786085_dp, &
-      & -2481.157227135915_dp, -2474.5624928169914_dp, -2467.660297538732_dp, -2461.697077751388_dp, &
-      & -2457.0881730430997_dp, -2450.4016559236225_dp, 251.8155679757372_dp, 258.6058066750488_dp, &
-      & 265.2369334230944_dp, 271.49454423811056_dp, 276.4831707093141_dp, 283.39085180981965_dp, &
-      & -49.633964842254365_dp, -43.962854585212526_dp, -37.315878073246935_dp, -35.71515310242183_dp, &
-      & -29.241380168176534_dp, -27.24606025566929_dp, -53.322724847524725_dp, -47.03670587532698_dp, &
-      & -40.14457855846255_dp, -34.900335689569076_dp, -31.04431793287945_dp, -25.06186674559512_dp, &
-      & 279.1339164163149_dp, -42.34922240593581_dp, -36.10973637998227_dp, -32.9118120678603_dp, &
-      & -26.005722707765592_dp, -26.827438277747365_dp, 177.19305894574006_dp, 148.10690805489153_dp, &
-      & 118.24420734067262_dp, 118.84617613033438_dp, 100.87479904633538_dp, 101.60979951750934_dp, &
-      & -39.873081106930236_dp, -33.615244560652776_dp, -26.746542690455318_dp, -23.734407703899862_dp, &
-      & -17.816222784925525_dp, -14.524986949165708_dp, -13865.14452286422_dp, -13859.473412609814_dp, &
-      & -13852.82643609769_dp, -13851.225711118805_dp, -13844.751938184818_dp, -13842.756618276553_dp, &
-      & -12.767469867888396_dp, -6.043352795251587_dp, -1.0208359026051057_dp, 2.266058438798512_dp, &
-      & 8.703095994857643_dp, 13.023506704558487_dp], [6, 11])
-   !> Innovation variance of order 4
-   real(dp), parameter :: variance_of(11) = [ &
-      & 0.939759314616287_dp, 1.0365767244744093_dp, 0.08296569259471666_dp, 1.2761701508862233_dp, &
-      & 0.9386184919194541_dp, 0.939383606282617_dp, 0.9412534512728729_dp, 1.0955046832298097_dp, &
-      & 0.9499314747608804_dp, 9.386184918705444e-7_dp, 0.9749540252584518_dp]
 
 contains
 
@@ -81,10 +41,13 @@ contains
       call test("standard_errors", test_standard_errors)
       call test("choice", test_choice)
       call test("offset_scale", test_offset_scale)
+      call test("large_offset", test_large_offset)
+      call test("threads", test_threads)
       call test("residuals", test_residuals)
       call test("missing", test_missing)
       call test("order_zero", test_order_zero)
       call test("failures", test_failures)
+      call test("failures_ols", test_failures_ols)
    end subroutine suite_ar
 
    !> The paper's record: variance 5.24e-4, AR(1) with 0.409975, 12 000 samples. Per observation -4.9000,
@@ -133,29 +96,32 @@ contains
    !> Coefficients, variance and criteria of the eleven series.
    subroutine test_reference()
       type(ar_model_type) :: model
-      real(dp) :: shift
-      integer :: i
+      type(ar_order_type) :: expected(0:6)
+      integer :: i, p
 
-      shift = 1000.0_dp*(1.0_dp + log_two_pi)
       do i = 1, size(reference_names)
+         expected = order_criteria([(p, p=0, 6)], levinson_variance(:, i), 1000_int64)
          call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(order=4, max_order=6), model, problem)
          if (went_wrong(problem, reference_names(i))) return
          call check(error, maxval(abs(model%coefficient - phi_of(:, i))), 0.0_dp, reference_names(i), thr=tolerance)
-         call check(error, model%noise_variance, variance_of(i), reference_names(i), thr=tolerance, rel=.true.)
-         call check(error, maxval(abs(model%table(2:)%aic - aic_of(:, i) - shift - 2.0_dp)), 0.0_dp, &
-            & reference_names(i), thr=1.0e-8_dp)
-         call check(error, maxval(abs(model%table(2:)%bic - bic_of(:, i) - shift - 2.0_dp*log(1000.0_dp))), 0.0_dp, &
-            & reference_names(i), thr=1.0e-8_dp)
+         call agree([model%noise_variance], levinson_variance(4:4, i), tolerance, &
+            & reference_names(i))
+         call agree(model%table%aic, expected%aic, tolerance, reference_names(i))
+         call agree(model%table%bic, expected%bic, tolerance, reference_names(i))
       end do
    end subroutine test_reference
 
    !> AR(1): sqrt((1 - phi^2)/n); AR(2): both sqrt((1 - phi_2^2)/n).
    subroutine test_standard_errors()
       type(ar_model_type) :: model
+      integer :: i
 
-      call fit_ar(reference_series("ar1", 1000), ar_options(order=1), model, problem)
-      if (went_wrong(problem)) return
-      call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
+      do i = 1, 2
+         call fit_ar(reference_series("ar1", 1000), ar_options(method=methods(i), order=1), model, &
+            & problem)
+         if (went_wrong(problem)) return
+         call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
+      end do
       call fit_ar(reference_series("ar2", 1000), ar_options(order=2), model, problem)
       call check(error, maxval(abs(model%std_error - sqrt((1.0_dp - model%coefficient(2)**2)/1000.0_dp))), 0.0_dp, thr=tolerance)
    end subroutine test_standard_errors
@@ -176,21 +142,80 @@ contains
       call check(error, size(model%table) == 7 .and. model%table(1)%order == 0, "the table begins with order 0")
    end subroutine test_choice
 
-   !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024.
+   !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024, by every method, short and long.
    subroutine test_offset_scale()
+      integer, parameter :: length(2) = [6000, 40000]
       type(ar_model_type) :: a, b
       real(dp), allocatable :: x(:)
+      integer :: i, k
 
-      x = anint(1024.0_dp*reference_series("ar2", 6000))/1024.0_dp
-      call fit_ar(x, ar_options(max_order=5), a, problem)
-      call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(max_order=5), b, problem)
-      if (went_wrong(problem)) return
-      call check(error, a%order, b%order)
-      call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-      call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-      call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=tolerance, rel=.true.)
-      call check(error, b%residual_ljung_box%statistic, a%residual_ljung_box%statistic, thr=1.0e-10_dp, rel=.true.)
+      do k = 1, size(length)
+         x = anint(1024.0_dp*reference_series("ar2", length(k)))/1024.0_dp
+         do i = 1, size(methods)
+            call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
+            call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), &
+               & ar_options(method=methods(i), max_order=5), b, problem)
+            if (went_wrong(problem)) return
+            call check(error, a%order, b%order, methods(i))
+            call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, methods(i), &
+               & thr=tolerance)
+            call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, methods(i), &
+               & thr=tolerance)
+            call agree([b%noise_variance, b%residual_variance]*2.0_dp**100, &
+                       [a%noise_variance, a%residual_variance], tolerance, methods(i))
+            call agree([b%residual_ljung_box%statistic, b%residual_normality%statistic], &
+                       [a%residual_ljung_box%statistic, a%residual_normality%statistic], &
+                          & 1.0e-10_dp, methods(i))
+         end do
+      end do
    end subroutine test_offset_scale
+
+   !> A signal of 1e-3 on 1e6: rounding of the samples, 1e-10, is 1e-7 of it.
+   subroutine test_large_offset()
+      type(ar_model_type) :: a, b
+      real(dp), allocatable :: x(:)
+      integer :: i
+
+      x = 1.0e-3_dp*reference_series("ar1", 2000)
+      do i = 1, size(methods)
+         call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
+         call fit_ar(x + 1.0e6_dp, ar_options(method=methods(i), max_order=5), b, problem)
+         if (went_wrong(problem)) return
+         call check(error, a%order, b%order)
+         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=1.0e-7_dp)
+      end do
+   end subroutine test_large_offset
+
+   !> One thread and two, with gaps too.
+   subroutine test_threads()
+      character(4), parameter :: series(4) = [character(4) :: "ar2", "ar2", "rw", "ar2"]
+      integer, parameter :: method(4) = [2, 2, 2, 3]
+      logical, parameter :: gaps(4) = [.false., .true., .false., .true.]
+      type(ar_model_type) :: model(2)
+      type(ar_options) :: options
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
+      integer :: before, i, k
+
+      before = thread_count()
+      do k = 1, size(method)
+         options = ar_options(method=methods(method(k)), order=4, max_order=4)
+         x = reference_series(trim(series(k)), 120000)
+         valid = [(merge(0_int8, 1_int8, gaps(k) .and. modulo(i, 997) == 5), i=1, size(x))]
+         do i = 1, 2
+            call set_thread_count(i)
+            if (gaps(k)) call fit_ar(x, options, model(i), problem, valid)
+            if (.not. gaps(k)) call fit_ar(x, options, model(i), problem)
+            if (allocated(problem)) exit
+         end do
+         call set_thread_count(before)
+         if (went_wrong(problem)) return
+         call check(error, maxval(abs(model(1)%coefficient - model(2)%coefficient)), 0.0_dp, thr=tolerance)
+         call check(error, model(1)%residual_normality%statistic, &
+            & model(2)%residual_normality%statistic, &
+                    thr=1.0e-10_dp, rel=.true.)
+      end do
+   end subroutine test_threads
 
    !> White with the right order, not with one too small; 20 lags, order subtracted.
    subroutine test_residuals()
@@ -231,13 +256,18 @@ contains
    !> Order 0: the mean and the variance.
    subroutine test_order_zero()
       type(ar_model_type) :: model
+      integer :: i
 
-      call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(order=0, max_order=0), model, problem)
-      if (went_wrong(problem)) return
-      if (unmet(size(model%coefficient) + size(model%std_error), 0)) return
-      call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
-      call check(error, model%mean, 2.5_dp, thr=tolerance)
-      call check(error, .not. model%largest_order_chosen, "there was nothing to choose")
+      do i = 1, size(methods)
+         call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], &
+            & ar_options(method=methods(i), order=0, max_order=0), model, problem)
+         if (went_wrong(problem, methods(i))) return
+         if (unmet(size(model%coefficient) + size(model%std_error) + size(model%root), 0, &
+            & methods(i))) return
+         call agree([model%noise_variance, model%residual_variance, model%mean, model%intercept], &
+                    [1.25_dp, 1.25_dp, 2.5_dp, 2.5_dp], tolerance, methods(i))
+         call check(error, .not. model%largest_order_chosen, "there was nothing to choose")
+      end do
    end subroutine test_order_zero
 
    !> Each error; the only pair of neighbors that gaps leave can be worth more than the variance.
@@ -246,6 +276,9 @@ contains
       integer(int8) :: valid(30)
       integer :: i
 
+      do i = 1, size(methods)
+         call refused(spread(0.1_dp, 1, 30), ar_options(method=methods(i)), status%constant_input)
+      end do
       x = reference_series("wn", 30)
       valid = 0_int8
       valid(1:5) = 1_int8
@@ -254,8 +287,7 @@ contains
       call refused(x, ar_options(max_order=-1), status%invalid_argument)
       call refused(x, ar_options(max_order=27), status%too_few_samples)
       call refused(x, ar_options(max_order=2), status%too_few_samples, valid)
-      x = 0.1_dp
-      call refused(x, ar_options(), status%constant_input)
+      call refused(x, ar_options(method="burg"), status%too_few_samples, valid)
       x = 0.0_dp
       x(1:2) = 10.0_dp
       valid = [(int(1 - mod(i, 2), int8), i=1, 30)]
@@ -264,17 +296,33 @@ contains
       x = reference_series("wn", 30)
       valid(1) = 0_int8                                                ! every other sample: no pair at an odd lag
       call refused(x, ar_options(order=2), status%too_few_samples, valid)
+      call refused(x, ar_options(method="burg"), status%too_few_samples, valid)
+      x = [(real(modulo(i, 2), dp), i=1, 30)]
+      call refused(x, ar_options(method="burg"), status%singular)
    end subroutine test_failures
+
+   !> Least squares: a line, a sinusoid without noise; too few rows.
+   subroutine test_failures_ols()
+      type(ar_options) :: options
+      real(dp) :: x(60)
+      integer(int8) :: valid(60)
+      integer :: t
+
+      options%method = "ols"
+      call refused([(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)], options, &
+         & status%singular)
+      call refused([(real(2*t, dp) - 7.0_dp, t=1, 60)], options, status%singular)
+      x = reference_series("wn", 60)
+      valid = [(merge(0_int8, 1_int8, modulo(t, 4) == 0), t=1, 60)]
+      call refused(x, options, status%too_few_samples, valid)
+      call refused(x(1:9), options, status%too_few_samples)
+   end subroutine test_failures_ols
 
    !> Fails unless the fit is refused with the code.
    subroutine refused(x, options, code, valid)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Options
       type(ar_options), intent(in) :: options
-      !> Expected
       integer, intent(in) :: code
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(ar_model_type) :: model
 

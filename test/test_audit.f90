@@ -7,9 +7,9 @@ module test_audit
    use gyroakf_io_audit, only : audit_stamps, gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_left_out_rows, only : leave_rows_out, place_with
-   use gyroakf_io_reader, only : reader_options, read_record
+   use gyroakf_io_reader, only : reader_options
    use gyroakf_record, only : audit_type, record_type
-   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use scratch_file, only : read_content
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    implicit none (type, external)
    private
@@ -29,11 +29,7 @@ contains
       call test("even", test_even)
       call test("jitter", test_jitter)
       call test("late-delivery", test_late)
-      call test("gap", test_gap)
-      call test("many-gaps", test_many_gaps)
-      call test("gaps-in-jitter", test_gaps_in_jitter)
-      call test("losses-in-jitter", test_losses_in_jitter)
-      call test("losses-on-a-grid", test_losses_on_grid)
+      call test("gaps", test_gaps)
       call test("bursts", test_bursts)
       call test("bursts-with-loss", test_burst_loss)
       call test("coarse-clock", test_coarse)
@@ -123,69 +119,28 @@ contains
       call check(error, audit%jitter_max, 7*dt, thr=1.0e-10_dp)
    end subroutine test_late
 
-   subroutine test_gap()
+   !> Losses at about even distances. With jitter the steps there are longer or shorter, and what is
+   !> lost is rounded, not cut; at 45 % no single step tells a loss, but the level of the lag. One
+   !> in twenty lost leaves fewer than 97 % of the steps even.
+   subroutine test_gaps()
+      real(dp), parameter :: jitter(5) = [0.2_dp, 0.2_dp, 0.45_dp, 0.05_dp, 0.0_dp]
+      integer, parameter :: gaps(5) = [1, 8, 4, 79, 199], distance(5) = [1000, 430, 900, 50, 20]
+      integer, parameter :: length(5) = [5, 5, 5, 1, 1], period(5) = [1, 1, 1, 40, 17]
       type(audit_type) :: audit
       real(dp) :: t(n)
-      integer :: i
+      integer :: i, k, first
 
-      t = even() + 0.2_dp*dt*[(noise(i), i=1, n)]
-      t(1000:) = t(1000:) + 5*dt
-      call expect(t, 1, 5, 1.0_dp/n, audit)
-      call check(error, audit%line_of_first(3), 1000_int64)
-   end subroutine test_gap
-
-   !> Five samples lost at a time: the jitter makes the steps there longer or shorter, and what is lost is rounded, not cut.
-   subroutine test_gaps_in_jitter()
-      type(audit_type) :: audit
-      real(dp) :: t(n)
-      integer :: i, k
-
-      t = even() + 0.2_dp*dt*[(noise(i), i=1, n)]
-      do k = 1, 8
-         t(430*k:) = t(430*k:) + 5*dt
+      do i = 1, size(gaps)
+         t = even() + jitter(i)*dt*[(noise(k), k=1, n)]
+         do k = 1, gaps(i)
+            first = distance(i)*k + mod(7*k, period(i))
+            t(first:) = t(first:) + length(i)*dt
+         end do
+         call expect(t, gaps(i), gaps(i)*length(i), merge(1.0_dp/n, 1.0e-12_dp, jitter(i) > 0), &
+            & audit)
+         if (i == 1) call check(error, audit%line_of_first(3), 1000_int64)
       end do
-      call expect(t, 8, 40, 1.0_dp/n, audit)
-   end subroutine test_gaps_in_jitter
-
-   !> The same where the steps are too uneven to tell a loss by one of them: the level of the lag rises by a little more or less
-   !> than five samples, and five were lost.
-   subroutine test_losses_in_jitter()
-      type(audit_type) :: audit
-      real(dp) :: t(n)
-      integer :: i, k
-
-      t = even() + 0.45_dp*dt*[(noise(i), i=1, n)]
-      do k = 1, 4
-         t(900*k:) = t(900*k:) + 5*dt
-      end do
-      call expect(t, 4, 20, 1.0_dp/n, audit)
-   end subroutine test_losses_in_jitter
-
-   !> One sample lost in fifty, each at another place of the fifty.
-   subroutine test_many_gaps()
-      type(audit_type) :: audit
-      real(dp) :: t(n)
-      integer :: k, i
-
-      t = even() + 0.05_dp*dt*[(noise(i), i=1, n)]
-      do k = 1, 79
-         t(50*k + mod(7*k, 40):) = t(50*k + mod(7*k, 40):) + dt
-      end do
-      call expect(t, 79, 79, 1.0_dp/n, audit)
-   end subroutine test_many_gaps
-
-   !> One sample in twenty lost, the others on an even grid: fewer than 97 % of the steps are the interval.
-   subroutine test_losses_on_grid()
-      type(audit_type) :: audit
-      real(dp) :: t(n)
-      integer :: k
-
-      t = even()
-      do k = 1, 199
-         t(20*k + mod(7*k, 17):) = t(20*k + mod(7*k, 17):) + dt
-      end do
-      call expect(t, 199, 199, 1.0e-12_dp, audit)
-   end subroutine test_losses_on_grid
+   end subroutine test_gaps
 
    !> The record may end with a burst that is 0.4 s late.
    subroutine test_bursts()
@@ -303,9 +258,7 @@ contains
       do i = 1, 100
          write (content(16*i - 15:16*i), "(f8.2, i7, a)") 0.01_dp*merge(i, i + 3, i <= 60), i, new_line("a")
       end do
-      call write_bytes(scratch_path("gap.txt"), "t gx"//new_line("a")//content)
-      call read_record(scratch_path("gap.txt"), reader_options(), record, failed)
-      call remove_file(scratch_path("gap.txt"))
+      call read_content("t gx"//new_line("a")//content, "gap.txt", reader_options(), record, failed)
       call check(error, record%audit%samples == 103 .and. record%audit%missing == 3 .and. record%audit%gaps == 1, "counts")
       call check(error, all(record%present(61:63, 1) == 0) .and. sum(int(record%present)) == 100, "marks")
       call check(error, abs(record%value(60, 1) - 60) <= 0.0_dp .and. abs(record%value(64, 1) - 61) <= 0.0_dp, "values")
@@ -327,9 +280,8 @@ contains
          row = row + 1
          content(16*row - 15:16*row) = content(16*row - 31:16*row - 16)
       end do
-      call write_bytes(scratch_path("repeated.txt"), "t gx"//new_line("a")//content)
-      call read_record(scratch_path("repeated.txt"), reader_options(), record, failed)
-      call remove_file(scratch_path("repeated.txt"))
+      call read_content("t gx"//new_line("a")//content, "repeated.txt", reader_options(), record, &
+         & failed)
       if (went_wrong(failed, "read")) return
       call check(error, record%audit%repeated == 2 .and. record%audit%missing == 3 .and. record%audit%gaps == 1, "counts")
       call check(error, all(record%present(201:203, 1) == 0) .and. sum(int(record%present)) == 400, "marks")
@@ -343,10 +295,9 @@ contains
       type(gyro_error), allocatable :: failed
       character(1), parameter :: nl = new_line("a")
 
-      call write_bytes(scratch_path("lines.txt"), "# c"//nl//"t_s gx"//nl//"0 1"//nl//nl//"1 1"//nl//"# d"//nl//"# e"//nl// &
-                       "1 2"//nl//"2 3"//nl//"1.5 4"//nl)
-      call read_record(scratch_path("lines.txt"), reader_options(), record, failed)
-      call remove_file(scratch_path("lines.txt"))
+      call read_content("# c"//nl//"t_s gx"//nl//"0 1"//nl//nl//"1 1"//nl//"# d"//nl//"# e"//nl// &
+                       "1 2"//nl//"2 3"//nl//"1.5 4"//nl, "lines.txt", reader_options(), record, &
+                          & failed)
       call check(error, all(record%audit%line_of_first == [8_int64, 10_int64, 0_int64]), "lines")
    end subroutine test_lines
 

@@ -236,7 +236,7 @@ contains
       call check(error, all(marks .or. .not. abs(added) > 0) .and. count(marks) <= count(abs(added) > 0) + 1)
    end subroutine test_coarse
 
-   !> Three seconds of motion at 100 Hz, a turn to and fro and a shaking: none of it is marked, and its time is told.
+   !> Three seconds of motion at 100 Hz, a turn to and fro and a shaking: none of it is marked, and its time is reported.
    subroutine test_motion()
       integer, parameter :: n = 20000
       real(dp) :: x(n)

@@ -1,16 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by Burg's recursion.
 module test_burg
-   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
+   use expectations, only : unmet, problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : status
    use gyroakf_stats_autocovariance, only : find_level
    use gyroakf_stats_trend, only : trend_type
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
    use ar_reference, only : burg_phi, burg_residual, burg_variance
    use series_library, only : reference_series, reference_names
-   use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
    public :: suite_burg
@@ -23,14 +21,9 @@ contains
       call test("by_hand", test_by_hand)
       call test("reference", test_reference)
       call test("long_reference", test_long_reference)
-      call test("offset_scale", test_offset_scale)
       call test("time_reversal", test_time_reversal)
       call test("gaps_dense", test_gaps_dense)
-      call test("threads", test_threads)
-      call test("standard_errors", test_standard_errors)
       call test("near_unit_root", test_near_unit_root)
-      call test("order_zero", test_order_zero)
-      call test("failures", test_failures)
    end subroutine suite_burg
 
    !> x = -1 1 -3 3 0 about the mean 2: k_1 = 2 (-1 - 3 - 9 + 0)/(2 (1 + 9 + 9) + 1 + 0) = -26/39; r_0 = 4.
@@ -76,24 +69,6 @@ contains
          & 0.9983153149205658_dp] - 1.0_dp)), 0.0_dp, thr=tolerance)
       call check(error, model%residual_variance, 0.998370294143918_dp, thr=tolerance, rel=.true.)
    end subroutine test_long_reference
-
-   !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024, short and long.
-   subroutine test_offset_scale()
-      type(ar_model_type) :: a, b
-      real(dp), allocatable :: x(:)
-      integer :: i
-
-      do i = 1, 2
-         x = anint(1024.0_dp*reference_series("ar2", merge(3000, 40000, i == 1)))/1024.0_dp
-         call fit_ar(x, ar_options(method="burg", max_order=5), a, problem)
-         call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method="burg", max_order=5), b, problem)
-         if (went_wrong(problem)) return
-         call check(error, a%order, b%order)
-         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-         call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-         call check(error, b%residual_variance*2.0_dp**100, a%residual_variance, thr=tolerance, rel=.true.)
-      end do
-   end subroutine test_offset_scale
 
    !> Forward and backward residuals change places.
    subroutine test_time_reversal()
@@ -149,41 +124,6 @@ contains
       call check(error, burg%rows(4) == sum([(merge(1, 0, all(valid(t - 4:t) == 1_int8)), t=5, 600)]), "rows")
    end subroutine test_gaps_dense
 
-   !> One thread and two, with gaps too.
-   subroutine test_threads()
-      type(ar_model_type) :: model(2, 3)
-      real(dp), allocatable :: x(:)
-      integer(int8), allocatable :: valid(:)
-      integer :: i, before
-
-      x = reference_series("ar2", 120000)
-      valid = [(merge(0_int8, 1_int8, modulo(i, 997) == 5), i=1, 120000)]
-      before = thread_count()
-      do i = 1, 2
-         call set_thread_count(i)
-         call fit_ar(x, ar_options(method="burg", order=4, max_order=4), model(i, 1), problem)
-         call fit_ar(x, ar_options(method="burg", order=4, max_order=4), model(i, 2), problem, valid)
-         call fit_ar(reference_series("rw", 120000), ar_options(method="burg", order=4, max_order=4), model(i, 3), problem)
-      end do
-      call set_thread_count(before)
-      call check(error, .not. allocated(problem), "it failed")
-      do i = 1, 3
-         if (allocated(error)) return
-         call check(error, maxval(abs(model(1, i)%coefficient - model(2, i)%coefficient)), 0.0_dp, thr=tolerance)
-         call check(error, model(1, i)%residual_normality%statistic, model(2, i)%residual_normality%statistic, &
-            & thr=1.0e-10_dp, rel=.true.)
-      end do
-   end subroutine test_threads
-
-   !> AR(1): sqrt((1 - phi^2)/n), for the autocovariances are the model's own.
-   subroutine test_standard_errors()
-      type(ar_model_type) :: model
-
-      call fit_ar(reference_series("ar1", 1000), ar_options(method="burg", order=1), model, problem)
-      if (went_wrong(problem)) return
-      call check(error, model%std_error(1), sqrt((1.0_dp - model%coefficient(1)**2)/1000.0_dp), thr=tolerance)
-   end subroutine test_standard_errors
-
    !> A random walk of 30,000 steps: the model stays stationary, whatever the largest order.
    subroutine test_near_unit_root()
       type(ar_model_type) :: model, short
@@ -195,48 +135,5 @@ contains
       call fit_ar(reference_series("rw", 30000), ar_options(method="burg", order=1, max_order=1), short, problem)
       call check(error, short%noise_variance, model%table(2)%noise_variance, thr=1.0e-9_dp, rel=.true.)
    end subroutine test_near_unit_root
-
-   !> Order 0: the variance.
-   subroutine test_order_zero()
-      type(ar_model_type) :: model
-
-      call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method="burg", order=0, max_order=0), model, problem)
-      if (went_wrong(problem)) return
-      if (unmet(size(model%coefficient) + size(model%root), 0)) return
-      call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
-      call check(error, model%residual_variance, 1.25_dp, thr=tolerance)
-   end subroutine test_order_zero
-
-   !> A constant; samples that alternate; gaps that leave no row.
-   subroutine test_failures()
-      real(dp) :: x(30)
-      integer(int8) :: valid(30)
-      integer :: t
-
-      x = 0.1_dp
-      call refused(x, status%constant_input)
-      x = [(real(modulo(t, 2), dp), t=1, 30)]
-      call refused(x, status%singular)
-      x = reference_series("wn", 30)
-      valid = [(int(modulo(t, 2), int8), t=1, 30)]
-      call refused(x, status%too_few_samples, valid)
-      valid = 0_int8
-      valid(1:5) = 1_int8
-      call refused(x, status%too_few_samples, valid)
-   end subroutine test_failures
-
-   !> Fails unless the fit is refused with the code.
-   subroutine refused(x, code, valid)
-      !> Series
-      real(dp), intent(in), contiguous :: x(:)
-      !> Expected
-      integer, intent(in) :: code
-      !> 1 present, 0 missing
-      integer(int8), intent(in), optional :: valid(:)
-      type(ar_model_type) :: model
-
-      call fit_ar(x, ar_options(method="burg"), model, problem, valid)
-      call check_refused(problem, code)
-   end subroutine refused
 
 end module test_burg

@@ -3,7 +3,7 @@
 module test_clean
    use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_stats_trend, only : evaluate_trend
    use series_library, only : reference_series
@@ -15,6 +15,10 @@ module test_clean
    integer, parameter :: place(12) = [1, 77, 1500, 1501, 1502, 3333, 5000, 6001, 7777, 9000, 11998, 12000]
    real(dp), parameter :: size_of(12) = [15.0_dp, -8.0_dp, 9.0_dp, 9.0_dp, 8.0_dp, -30.0_dp, 7.0_dp, -7.0_dp, 1.0e4_dp, &
       & 12.0_dp, -9.0_dp, 20.0_dp]
+   !> Of the last cleaning
+   real(dp), allocatable :: cleaned(:)
+   integer(int8), allocatable :: mask(:)
+   type(clean_type) :: result
 
 contains
 
@@ -36,12 +40,7 @@ contains
    end subroutine suite_clean
 
    !> Fails where the cleaning did, or where it marked other samples than these.
-   subroutine marks_are(result, problem, expected)
-      !> The result
-      type(clean_type), intent(in) :: result
-      !> What the library said
-      type(gyro_error), allocatable, intent(in) :: problem
-      !> 1-based indices
+   subroutine marks_are(expected)
       integer, intent(in) :: expected(:)
 
       if (went_wrong(problem)) return
@@ -53,14 +52,12 @@ contains
    !> White noise with four outliers, 3 sigma, degree 0. In exact arithmetic the first round removes
    !> 101 102 501 778, the second 156 462 621 756, the third none; standard deviation then 0.9553685748064595.
    subroutine test_pauta_reference()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
 
       x = reference_series("wn", 1000)
       x([101, 102, 501, 778]) = x([101, 102, 501, 778]) + [8.0_dp, -7.5_dp, 25.0_dp, 5.0_dp]
       call clean_series(x, clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
-      call marks_are(result, problem, [101, 102, 156, 462, 501, 621, 756, 778])
+      call marks_are([101, 102, 156, 462, 501, 621, 756, 778])
       call check(error, result%passes, 3)
       call check(error, result%trend%power(0), -0.03429698277755966_dp, thr=1.0e-14_dp)
       call check(error, sqrt(result%variance), 0.9553685748064595_dp, thr=1.0e-14_dp)
@@ -84,41 +81,35 @@ contains
 
    !> 12 of 12 and nothing else, by both robust methods.
    subroutine test_drifting_record()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
 
       x = drifting_record()
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
-      call marks_are(result, problem, place)
+      call marks_are(place)
       call check(error, result%variance, 1.0_dp, thr=0.1_dp)
       call check(error, maxval(abs(cleaned(place))), 0.0_dp, thr=tiny(x))
       call check(error, cleaned(100), x(100) - evaluate_trend(result%trend, 99_int64), thr=1.0e-12_dp)
       call clean_series(x, clean_options(method="mad"), cleaned, mask, result, problem)
-      call marks_are(result, problem, place)
+      call marks_are(place)
    end subroutine test_drifting_record
 
    !> A spike of 1e9 hides others from a standard deviation; it does not from a median.
    subroutine test_masking()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
 
       x = reference_series("wn", 3000)
       x(2990) = 1.0e9_dp
       x(50) = x(50) + 9.0_dp
       x(51) = x(51) - 9.0_dp
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
-      call marks_are(result, problem, [50, 51, 2990])
+      call marks_are([50, 51, 2990])
       call clean_series(x, clean_options(degree=-1, method="mad"), cleaned, mask, result, problem)
-      call marks_are(result, problem, [50, 51, 2990])
+      call marks_are([50, 51, 2990])
    end subroutine test_masking
 
    !> Of 1e5 clean normal samples `auto` marks about half a one, 3 sigma about 300.
    subroutine test_false_alarms()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
 
       x = reference_series("wn_bm", 100000)
       call clean_series(x, clean_options(), cleaned, mask, result, problem)
@@ -130,9 +121,7 @@ contains
 
    !> The spike tilts the first trend, and good samples at the ends are marked; they come back.
    subroutine test_mark_comes_back()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
 
       x = reference_series("unif", 400)
       x(400) = 1.0e6_dp
@@ -140,14 +129,12 @@ contains
       if (went_wrong(problem)) return
       call check(error, result%removed > 1 .and. .not. result%converged, "the first round was right already")
       call clean_series(x, clean_options(degree=9, method="mad"), cleaned, mask, result, problem)
-      call marks_are(result, problem, [400])
+      call marks_are([400])
    end subroutine test_mark_comes_back
 
    !> A third of the record is ten times as noisy: that is no outlier. A tenth replaced by zeros is.
    subroutine test_disturbed_stretch()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
 
       x = reference_series("wn_bm", 9000)
       x(:3600) = 50.0_dp*x(:3600)
@@ -164,9 +151,7 @@ contains
    subroutine test_to_and_fro()
       character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
       integer, parameter :: half_width(3) = [5, 25, 100000]
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
       integer :: i, j
 
       x = reference_series("wn_bm", 20000)
@@ -189,28 +174,24 @@ contains
    !> Offset 2^30 and scale 2^-40, exact for multiples of 1/4096, change no mark.
    subroutine test_offset_scale()
       real(dp), allocatable :: x(:), a(:), b(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
 
       x = anint(4096.0_dp*drifting_record())/4096.0_dp
       call clean_series(x, clean_options(), a, mask, result, problem)
       call clean_series((x + 2.0_dp**30)*2.0_dp**(-40), clean_options(), b, mask, result, problem)
-      call marks_are(result, problem, place)
+      call marks_are(place)
       call check(error, maxval(abs(b*2.0_dp**40 - a)), 0.0_dp, thr=1.0e-10_dp)
    end subroutine test_offset_scale
 
    !> Nine of ten samples on one level: MAD 0. The neighboring levels stay, the spike goes.
    subroutine test_quantised()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
       integer :: i
 
       do i = 1, 2
          x = 0.01_dp*anint(0.304_dp*reference_series("wn_bm", 2000))
          x(1000) = 0.5_dp
          call clean_series(x, clean_options(degree=0, method=merge("mad ", "auto", i == 1)), cleaned, mask, result, problem)
-         call marks_are(result, problem, [1000])
+         call marks_are([1000])
       end do
    end subroutine test_quantised
 
@@ -218,9 +199,6 @@ contains
    subroutine test_constant()
       character(8), parameter :: method(3) = [character(8) :: "auto", "pauta", "mad"]
       real(dp) :: x(500)
-      real(dp), allocatable :: cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
       integer :: i, j
 
       do i = 1, 3
@@ -236,16 +214,15 @@ contains
 
    !> Samples that were missing before stay missing and are no outliers; what they hold does not matter.
    subroutine test_missing()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: valid(:), mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
+      integer(int8), allocatable :: valid(:)
 
       x = drifting_record()
       valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 12000), 5000) < 0.05_dp)
       valid(place) = 1_int8
       where (valid == 0_int8) x = 1.0e5_dp
       call clean_series(x, clean_options(), cleaned, mask, result, problem, valid)
-      call marks_are(result, problem, place)
+      call marks_are(place)
       call check(error, all(mask == 0_int8 .eqv. (valid == 0_int8 .or. mask /= valid)), "the mask")
       call check(error, count(mask == 0_int8), count(valid == 0_int8) + 12)
       call check(error, maxval(abs(cleaned), mask=mask == 0_int8), 0.0_dp, thr=tiny(x))
@@ -256,9 +233,7 @@ contains
 
    !> Method none and degree -1: the series itself, no mask.
    subroutine test_nothing_removed()
-      real(dp), allocatable :: x(:), cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
+      real(dp), allocatable :: x(:)
 
       x = reference_series("offset", 1000)
       call clean_series(x, clean_options(degree=-1, method="none"), cleaned, mask, result, problem)
@@ -271,16 +246,13 @@ contains
    !> Ten samples: 3 standard deviations are out of reach ((n-1)/sqrt(n) = 2.85), eleven suffice.
    subroutine test_short()
       real(dp) :: x(11)
-      real(dp), allocatable :: cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
 
       x = 0.0_dp
       x(5) = 1.0_dp
       call clean_series(x(:10), clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
       if (unmet(.not. allocated(problem) .and. result%removed == 0, "10 samples")) return
       call clean_series(x, clean_options(degree=0, method="pauta"), cleaned, mask, result, problem)
-      call marks_are(result, problem, [5])
+      call marks_are([5])
    end subroutine test_short
 
    !> Each error.
@@ -302,17 +274,10 @@ contains
 
    !> Fails unless the cleaning is refused with the code.
    subroutine refused(x, options, code, valid)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Options
       type(clean_options), intent(in) :: options
-      !> Expected
       integer, intent(in) :: code
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
-      real(dp), allocatable :: cleaned(:)
-      integer(int8), allocatable :: mask(:)
-      type(clean_type) :: result
 
       call clean_series(x, options, cleaned, mask, result, problem, valid)
       call check_refused(problem, code)

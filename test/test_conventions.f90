@@ -157,7 +157,6 @@ contains
    subroutine noise_text(known, which, text)
       !> Rate and unit are known
       logical, intent(in) :: known
-      !> Series
       integer, intent(in) :: which
       character(:), allocatable, intent(out) :: text
       type(text_description_type) :: out

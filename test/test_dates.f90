@@ -6,11 +6,11 @@ module test_dates
    use gyroakf_error, only : status
    use gyroakf_io_date, only : day_number, scan_stamp, stamp_kind
    use gyroakf_io_stamp_field, only : is_day_first, kind_of_field
-   use gyroakf_io_reader, only : reader_options, read_record
+   use gyroakf_io_reader, only : reader_options
    use gyroakf_io_commas, only : decimal_fields, seconds_comma
    use gyroakf_io_stamps, only : unwrap_days
    use gyroakf_record, only : record_type
-   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use scratch_file, only : read_content
    implicit none (type, external)
    private
    public :: suite_dates
@@ -36,7 +36,7 @@ contains
       call test("decimal-commas", test_commas)
    end subroutine suite_dates
 
-   !> A text as bytes with a line feed and room behind it.
+   !> A text as bytes with line feeds behind it.
    function bytes_of(text) result(bytes)
       character(*), intent(in) :: text
       integer(int8) :: bytes(len(text) + 16)
@@ -169,13 +169,9 @@ contains
       type(reader_options), intent(in), optional :: options
       type(reader_options) :: given
       type(record_type) :: record
-      character(:), allocatable :: path
 
       if (present(options)) given = options
-      path = scratch_path("dates.csv")
-      call write_bytes(path, content)
-      call read_record(path, given, record, failed)
-      call remove_file(path)
+      call read_content(content, "dates.csv", given, record, failed)
       if (allocated(failed)) call check(error, .false., content//": "//failed%message)
       if (allocated(error)) return
       if (unmet(size(record%value, 2), channels, more=content)) return
@@ -188,12 +184,8 @@ contains
    subroutine expect_error(content, fragment)
       character(*), intent(in) :: content, fragment
       type(record_type) :: record
-      character(:), allocatable :: path
 
-      path = scratch_path("dates.csv")
-      call write_bytes(path, content)
-      call read_record(path, reader_options(), record, failed)
-      call remove_file(path)
+      call read_content(content, "dates.csv", reader_options(), record, failed)
       if (unmet(allocated(failed), content)) return
       call check(error, index(failed%message, fragment) > 0, failed%message)
    end subroutine expect_error
@@ -237,14 +229,11 @@ contains
 
    !> Nanoseconds since 1970: a double alone has steps of 256 of them.
    subroutine test_long()
-      character(:), allocatable :: path
       type(record_type) :: record
 
-      path = scratch_path("long.csv")
-      call write_bytes(path, "stamp,gx"//nl//"1777636800123456701,1"//nl//"1777636800123456802,2"//nl// &
-                       "1777636800123456903,3"//nl//"1777636800123457004,4"//nl)
-      call read_record(path, reader_options(), record, failed)
-      call remove_file(path)
+      call read_content("stamp,gx"//nl//"1777636800123456701,1"//nl//"1777636800123456802,2"//nl// &
+         & "1777636800123456903,3"//nl//"1777636800123457004,4"//nl, "long.csv", reader_options(), &
+         & record, failed)
       if (went_wrong(failed, "read")) return
       call check(error, record%sample_interval, 101.0e-9_dp, thr=1.0e-12_dp, rel=.true.)
       call check(error, record%audit%jitter_max < 1.0e-15_dp, "even")

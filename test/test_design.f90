@@ -182,7 +182,7 @@ contains
       if (went_wrong(failure, "order 0 is refused")) return
       call filter_series(filter, z, x, result, failure)
       call check(error, result%gain, 0.5_dp, thr=1.0e-12_dp)
-      if (unmet(size(result%warnings) > 0, "nothing is said about it")) return
+      if (unmet(size(result%warnings) > 0, "no warning")) return
       call design_akf(model, differences, design_options(), filter, failure)
       call filter_series(filter, z, x, result, failure)
       call check(error, result%variance < 0.2_dp .and. result%gain > 0.05_dp, "the adaptive filter is not bounded")

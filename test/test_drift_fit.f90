@@ -7,7 +7,7 @@ module test_drift_fit
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
    use gyroakf_filter_likelihood, only : component_likelihood
-   use filter_library, only : fill_noise, make_series
+   use filter_library, only : add_walk, fill_noise, make_series
    implicit none (type, external)
    private
    public :: suite_drift_fit
@@ -38,18 +38,10 @@ contains
       integer, intent(in) :: seed
       real(dp), intent(in) :: step, white
       real(dp), intent(out), contiguous :: z(:)
-      real(dp), allocatable :: w(:)
-      real(dp) :: level
-      integer :: i
 
-      allocate (w(size(z)))
-      call fill_noise(seed, w)
       call fill_noise(seed + 50000, z)
-      level = 0.0_dp
-      do i = 1, size(z)
-         level = level + step*w(i)
-         z(i) = level + white*z(i)
-      end do
+      z = white*z
+      call add_walk(seed, step, z)
    end subroutine make_walk
 
    !> Number of the candidate of a name, 0 where there is none.

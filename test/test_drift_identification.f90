@@ -4,23 +4,14 @@ module test_drift_identification
    use expectations, only : unmet, failed => problem, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_progress, only : progress_type
+   use progress_watch, only : watch_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : model_of_means, process_of_samples
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
-   use filter_library, only : fill_noise, make_series, paper_phi
+   use filter_library, only : add_walk, fill_noise, make_series, paper_phi
    implicit none (type, external)
    private
    public :: suite_drift_identification
-
-   !> Has enough after so many calls
-   type, extends(progress_type) :: patience_type
-      integer :: calls = 0, enough = 0
-      integer(int64) :: last = 0
-      logical :: fell = .false.
-   contains
-      procedure :: advance
-   end type patience_type
 
 contains
 
@@ -38,24 +29,6 @@ contains
       call test("cancelled", test_cancelled)
       call test("refused", test_refused)
    end subroutine suite_drift_identification
-
-   !> A random walk is added to a series.
-   subroutine add_walk(seed, step, z)
-      integer, intent(in) :: seed
-      real(dp), intent(in) :: step
-      real(dp), intent(inout), contiguous :: z(:)
-      real(dp), allocatable :: w(:)
-      real(dp) :: level
-      integer :: i
-
-      allocate (w(size(z)))
-      call fill_noise(seed + 50000, w)
-      level = 0.0_dp
-      do i = 1, size(z)
-         level = level + step*w(i)
-         z(i) = z(i) + level
-      end do
-   end subroutine add_walk
 
    !> Case C1 of the comparison.
    subroutine test_ar1()
@@ -85,7 +58,7 @@ contains
          do seed = 1, 3
             truth = component_model_type(r=1.0_dp)
             call make_series(100*kind + seed, 0.9_dp, merge(0.0_dp, 0.6_dp, kind == 1), 1.0_dp, z)
-            if (kind /= 2) call add_walk(100*kind + seed, 0.03_dp, z)
+            if (kind /= 2) call add_walk(50000 + 100*kind + seed, 0.03_dp, z)
             call identify_drift_model(z, drift_identification_options(), found, failed)
             if (unmet(.not. allocated(failed) .and. found%found .and. found%errors_known)) return
             n = found%model%count
@@ -115,7 +88,7 @@ contains
       total = 0.0_dp
       do seed = 1, 20
          call fill_noise(500 + seed, z)
-         call add_walk(500 + seed, 0.1_dp, z)
+         call add_walk(50500 + seed, 0.1_dp, z)
          call identify_drift_model(z, drift_identification_options(), found, failed)
          if (unmet(.not. allocated(failed) .and. found%found .and. found%slow(found%model%count))) return
          associate (fit => found%candidate(1))
@@ -174,7 +147,7 @@ contains
       call identify_drift_model(z, drift_identification_options(drift_samples=8.0_dp), found, failed)
       call check(error, .not. found%found .and. found%model%count == 1)
       call check(error, abs(found%model%phi(1) - exp(-1/5.6_dp)) <= 4*found%std_error%phi(1))
-      call add_walk(71, 0.05_dp, z)
+      call add_walk(50071, 0.05_dp, z)
       call identify_drift_model(z, drift_identification_options(drift_samples=1.0e6_dp), found, failed)
       call check(error, found%found .and. found%name == "walk+ar1" .and. all(found%slow(:2) .eqv. [.false., .true.]))
       call check(error, found%drift_std, sqrt(found%model%q(2)), thr=1.0e-12_dp, rel=.true.)
@@ -273,20 +246,21 @@ contains
       call check(error, -means%r, 8*(1 - 1/256.0_dp)/6 - 30.0_dp/16, thr=1.0e-12_dp, rel=.true.)
    end subroutine test_means
 
-   !> Whoever has enough is heard at the next evaluation.
+   !> A cancellation takes effect at the next evaluation.
    subroutine test_cancelled()
       type(drift_identification_type) :: found
-      type(patience_type) :: patience
+      type(watch_type) :: watch
       real(dp) :: z(2000)
 
       call make_series(95, 0.9_dp, 1.0_dp, 1.0_dp, z)
-      patience%enough = 30
-      call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
+      watch%last_call = 30
+      call identify_drift_model(z, drift_identification_options(), found, failed, progress=watch)
       call check_refused(failed, status%cancelled)
-      call check(error, patience%calls, 30)
-      patience = patience_type(enough=1000000)
-      call identify_drift_model(z, drift_identification_options(), found, failed, progress=patience)
-      call check(error, .not. (allocated(failed) .or. patience%fell))
+      call check(error, watch%calls, 30)
+      watch = watch_type()
+      call identify_drift_model(z, drift_identification_options(), found, failed, progress=watch)
+      call check(error, .not. allocated(failed) .and. watch%ordered .and. &
+         & watch%stage == "identifying")
    end subroutine test_cancelled
 
    subroutine test_refused()
@@ -304,18 +278,5 @@ contains
       call identify_drift_model(z, drift_identification_options(), found, failed)
       call check_refused(failed, status%constant_input)
    end subroutine test_refused
-
-   !> Counts, and ends it.
-   subroutine advance(self, stage, done, total, cancel)
-      class(patience_type), intent(inout) :: self
-      character(*), intent(in) :: stage
-      integer(int64), intent(in) :: done, total
-      logical, intent(out) :: cancel
-
-      self%calls = self%calls + 1
-      self%fell = self%fell .or. done < self%last .or. done > total .or. stage /= "identifying"
-      self%last = done
-      cancel = self%calls >= self%enough
-   end subroutine advance
 
 end module test_drift_identification

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of a filter over a whole series and of what is said about it.
+!> Tests of a filter over a whole series and of its diagnostics.
 module test_filter_series
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
@@ -132,7 +132,7 @@ contains
       call check(error, result%ljung_box%statistic, whiteness%statistic, thr=1.0e-10_dp, rel=.true.)
    end subroutine test_gaps
 
-   !> The paper's filter: 60.7 % of a rotation passes, NIS 0.46, and the user is told
+   !> The paper's filter: 60.7 % of a rotation passes, NIS 0.46, with a warning
    subroutine test_paper()
       type(filter_type) :: filter
       type(filter_result_type) :: result

@@ -16,6 +16,11 @@ module test_kalibr
    public :: suite_kalibr
 
    character(1), parameter :: lf = new_line("a")
+   !> What is written, the file or the message, and its status
+   type(record_type) :: record
+   type(pipeline_result_type) :: result
+   character(:), allocatable :: text
+   integer :: code
 
 contains
 
@@ -65,11 +70,7 @@ contains
    end subroutine make_six
 
    !> The file, or the error's message.
-   subroutine written(record, result, text, code)
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      character(:), allocatable, intent(out) :: text
-      integer, intent(out) :: code
+   subroutine written()
       type(writer_type) :: writer
       character(:), allocatable :: content
 
@@ -86,20 +87,17 @@ contains
 
    !> N = 0.0158 deg/sqrt(s) = 2.7576e-4 rad/s/sqrt(Hz); K's limit 3e-3 deg/s^1.5 = 5.2360e-5.
    subroutine test_gyroscope()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text
       character(112), parameter :: lines(8) = [character(112) :: "rostopic: /imu0  # put your topic here", &
          "update_rate: 5.0  # Hz", "#accelerometer_noise_density:  # m/s^2/sqrt(Hz)", &
          "#accelerometer_random_walk:  # m/s^3/sqrt(Hz)", &
          "gyroscope_noise_density: 2.7576e-04  # rad/s/sqrt(Hz), N of gx", "#   gx: 2.7576e-04 +/- 3.5e-06", &
          "gyroscope_random_walk: 5.2360e-05  # rad/s^2/sqrt(Hz), K of gx is not detectable: its 95 % upper limit", &
          "#   gx: not detectable, below 5.2360e-05 (95 %)"]
-      integer :: i, code
+      integer :: i
 
       call make_record(record, .true.)
       call make_result(record, result)
-      call written(record, result, text, code)
+      call written()
       do i = 1, size(lines)
          call check(error, index(text, lf//trim(lines(i))//lf) > 0, trim(lines(i))//" is not in "//text)
       end do
@@ -107,19 +105,16 @@ contains
 
    !> The largest axis of each sensor; a value or a limit, whichever the axis has.
    subroutine test_six_axes()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text
       character(112), parameter :: lines(6) = [character(112) :: &
          "gyroscope_noise_density: 5.2360e-02  # rad/s/sqrt(Hz), N of gz", &
          "gyroscope_random_walk: 8.7266e-03  # rad/s^2/sqrt(Hz), K of gy", "#   gy: 8.7266e-03 +/- 0.0e+00", &
          "#   gz: not detectable, below 5.2360e-03 (95 %)", &
          "accelerometer_noise_density: 5.8840e-02  # m/s^2/sqrt(Hz), N of az", &
          "accelerometer_random_walk: 5.8840e-03  # m/s^3/sqrt(Hz), K of az is not detectable: its 95 % upper limit"]
-      integer :: i, code
+      integer :: i
 
       call make_six(record, result)
-      call written(record, result, text, code)
+      call written()
       do i = 1, size(lines)
          call check(error, index(text, lf//trim(lines(i))//lf) > 0, trim(lines(i))//" is not in "//text)
       end do
@@ -127,64 +122,46 @@ contains
    end subroutine test_six_axes
 
    subroutine test_accelerometer()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text
-      integer :: code
-
       call make_record(record, .true.)
       call make_result(record, result)
       record%unit%quantity = 2
-      call written(record, result, text, code)
+      call written()
       call check(error, index(text, lf//"#gyroscope_random_walk:  # rad/s^2/sqrt(Hz)"//lf) > 0 .and. &
                  index(text, lf//"accelerometer_noise_density: 2.7576e-04") > 0, text)
    end subroutine test_accelerometer
 
    !> A column without a unit (a temperature) is left out and named.
    subroutine test_unknown_channel()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text
-      integer :: code
-
       call make_six(record, result)
       record%channel_unit(3) = unit_type()
       result%channel(3)%allan(stage%input)%fitted = .false.
       result%channel(1)%allan(stage%input)%noise%described = .false.
-      call written(record, result, text, code)
+      call written()
       call check(error, index(text, lf//"# gx: no run of octaves follows") > 0, text)
       call check(error, index(text, lf//"# not used: gz, its unit is not known"//lf) > 0, text)
       call check(error, index(text, lf//"gyroscope_noise_density: 3.4907e-02  # rad/s/sqrt(Hz), N of gy"//lf) > 0, text)
    end subroutine test_unknown_channel
 
-   !> YAML 1.1 takes 1e6 for a text: rates are written so that nobody does.
+   !> YAML 1.1 takes 1e6 for a text: rates are written as numbers.
    subroutine test_rates()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text
       real(dp), parameter :: rate(4) = [200.0_dp, 99.98412_dp, 2.0e7_dp, 1.0e-5_dp]
       character(14), parameter :: expected(4) = [character(14) :: "200.0", "99.98412", "2.000000e+07", "1.000000e-05"]
-      integer :: i, code
+      integer :: i
 
       call make_record(record, .true.)
       call make_result(record, result)
       do i = 1, size(rate)
          record%sample_interval = 1/rate(i)
-         call written(record, result, text, code)
+         call written()
          call check(error, index(text, lf//"update_rate: "//trim(expected(i))//"  # Hz"//lf) > 0, text)
       end do
    end subroutine test_rates
 
    !> Without a rate or a unit nothing is written, and the message says which option helps.
    subroutine test_refused()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text
-      integer :: code
-
       call make_record(record, .false.)
       call make_result(record, result)
-      call written(record, result, text, code)
+      call written()
       call check(error, code == status%invalid_argument .and. index(text, "give --rate HZ or --dt S") > 0, text)
       record%rate_known = .true.
       call check_kalibr(record, failed)
@@ -194,18 +171,13 @@ contains
 
    !> A term that was left out of the fit has no number, and neither has a channel without a fit.
    subroutine test_not_fitted()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      character(:), allocatable :: text
-      integer :: code
-
       call make_record(record, .true.)
       call make_result(record, result)
       result%channel(1)%allan(stage%input)%stated%term(4)%fitted = .false.
-      call written(record, result, text, code)
+      call written()
       call check(error, code == status%invalid_argument .and. index(text, "K of 'gx' was not fitted") > 0, text)
       result%channel(1)%allan(stage%input)%fitted = .false.
-      call written(record, result, text, code)
+      call written()
       call check(error, code == status%constant_input .and. index(text, "'gx' has no coefficients") > 0, text)
    end subroutine test_not_fitted
 

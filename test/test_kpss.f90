@@ -128,7 +128,7 @@ contains
       end do
    end subroutine test_bridge
 
-   !> Interpolation within the table, and what is said at its ends.
+   !> Interpolation within the table, and the bounds at its ends.
    subroutine test_table()
       type(kpss_type) :: kpss
 

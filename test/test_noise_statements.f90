@@ -4,8 +4,8 @@ module test_noise_statements
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
-   use allan_series, only : normal_series, uniform_series, walk_of
-   use noise_fit_runs, only : correlated, not_fitted, mixed_record
+   use allan_series, only : normal_series, uniform_series, walk_of, correlated, not_fitted, &
+      & mixed_record
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
    private
@@ -216,7 +216,7 @@ contains
    end subroutine test_quantized
 
    subroutine test_quantized_without_n()
-      ! where N is withheld nothing is said of N without quantization
+      ! where N is withheld N without quantization is withheld
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
       real(dp), parameter :: lsb = 1.0_dp

@@ -3,11 +3,11 @@
 module test_npy
    use expectations, only : unmet, failed => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_io_npy, only : make_npy_header, npy_magic
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_record, only : record_type
-   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use scratch_file, only : read_content
    implicit none (type, external)
    private
    public :: suite_npy
@@ -66,17 +66,13 @@ contains
          shape//", }"
    end function dictionary
 
-   !> Reads these bytes as a file.
-   subroutine read_bytes_of(content, options, record, failed)
+   !> Reads these bytes as a file, with default options.
+   subroutine read_array(content, record)
       character(*), intent(in) :: content
-      type(reader_options), intent(in) :: options
       type(record_type), intent(out) :: record
-      type(gyro_error), allocatable, intent(out) :: failed
 
-      call write_bytes(scratch_path("array.npy"), content)
-      call read_record(scratch_path("array.npy"), options, record, failed)
-      call remove_file(scratch_path("array.npy"))
-   end subroutine read_bytes_of
+      call read_content(content, "array.npy", reader_options(), record, failed)
+   end subroutine read_array
 
    !> The values that were read are exactly these.
    subroutine check_values(content, expected, type_name)
@@ -85,7 +81,7 @@ contains
       character(*), intent(in) :: type_name
       type(record_type) :: record
 
-      call read_bytes_of(content, reader_options(), record, failed)
+      call read_array(content, record)
       if (went_wrong(failed, type_name//" is not read")) return
       call check(error, record%format//", "//record%stored_type, "npy, "//type_name)
       if (unmet(size(record%value), size(expected))) return
@@ -114,10 +110,10 @@ contains
             content(3)(8*i - 7:8*i) = stored(eight(i), 8, big)
          end do
          do i = 1, 3
-            call check_values(npy(dictionary(merge(">", "<", big)//"f"//achar(48 + 2**i), .false., "(6,)"), &
-                                         content(i)(:6*2**i)), value, "float"//trim(merge("16", merge("32", "64", i == 2), &
-                                            i == 1)) &
-                              //trim(merge(" big endian", "           ", big)))
+            call check_values(npy(dictionary(merge(">", "<", big)//"f"//achar(48 + 2**i), &
+               & .false., "(6,)"), content(i)(:6*2**i)), value, "float"//trim(merge("16", &
+               & merge("32", "64", i == 2), i == 1)) //trim(merge(" big endian", "           ", &
+               & big)))
          end do
          deallocate (content)
       end do
@@ -139,14 +135,15 @@ contains
                       //stored(pattern(4), bytes, k == 1)
             descr = merge(">", "<", k == 1)//"i"//achar(48 + bytes)
             name = "int"//trim(adjustl(text_of(8*bytes)))//trim(merge(" big endian", "           ", k == 1 .and. bytes > 1))
-            call check_values(npy(dictionary(descr, .false., "(4,)"), content), [1.0_dp, -1.0_dp, 100.0_dp, -half], name)
+            call check_values(npy(dictionary(descr, .false., "(4,)"), content), [1.0_dp, -1.0_dp, &
+               & 100.0_dp, -half], name)
             descr(2:2) = "u"
-            call check_values(npy(dictionary(descr, .false., "(4,)"), content), &
-                              [1.0_dp, 2*half - merge(1.0_dp, 0.0_dp, bytes < 8), 100.0_dp, half], "u"//name)
+            call check_values(npy(dictionary(descr, .false., "(4,)"), content), [1.0_dp, &
+               & 2*half - merge(1.0_dp, 0.0_dp, bytes < 8), 100.0_dp, half], "u"//name)
          end do
       end do
-      call check_values(npy(dictionary("|b1", .false., "(3,)"), char(1)//char(0)//char(1)), [1.0_dp, 0.0_dp, &
-         1.0_dp], "bool")
+      call check_values(npy(dictionary("|b1", .false., "(3,)"), char(1)//char(0)//char(1)), &
+         & [1.0_dp, 0.0_dp, 1.0_dp], "bool")
    end subroutine test_integers
 
    !> A small number.
@@ -165,11 +162,11 @@ contains
 
       call check_values(npy(says, achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
       do version = 2, 3
-         call check_values(npy_magic//achar(version)//achar(0)//stored(len(says, int64), 4, .false.)//says// &
-                           achar(3)//achar(2)//achar(1), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
+         call check_values(npy_magic//achar(version)//achar(0)//stored(len(says, int64), 4, &
+            & .false.)//says//achar(3)//achar(2)//achar(1), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
       end do
-      call read_bytes_of(npy_magic//achar(4)//achar(0)//stored(len(says, int64), 4, .false.)//says//"abc", reader_options(), &
-                         record, failed)
+      call read_array(npy_magic//achar(4)//achar(0)//stored(len(says, int64), 4, .false.)//says// &
+         & "abc", record)
       if (unmet(allocated(failed))) return
       call check(error, failed%code == status%not_supported .and. index(failed%message, "version 4.0") > 0, failed%message)
    end subroutine test_versions
@@ -180,29 +177,27 @@ contains
       integer :: k
 
       do k = 0, 1
-         call read_bytes_of(npy(dictionary("|u1", k == 1, "(3, 2)"), merge("cfadbe", "cabfde", k == 0)), reader_options(), &
-            record, &
-                            failed)
+         call read_array(npy(dictionary("|u1", k == 1, "(3, 2)"), merge("cfadbe", "cabfde", &
+            & k == 0)), record)
          if (went_wrong(failed)) return
          call check(error, all(nint(record%value) == reshape([99, 97, 98, 102, 100, 101], [3, 2])), "order "//text_of(k))
          if (unmet(.not. allocated(record%warnings), "a warning")) return
       end do
    end subroutine test_orders
 
-   !> More columns than rows: the longer side is the time, and that is said; a single row is no question.
+   !> More columns than rows: the longer side is the time, with a warning; of a single row without one.
    subroutine test_longer_side()
       type(record_type) :: record
       integer :: k
 
       do k = 0, 1
-         call read_bytes_of(npy(dictionary("|u1", k == 1, "(2, 3)"), merge("adbecf", "abcdef", k == 1)), reader_options(), &
-            record, &
-                            failed)
+         call read_array(npy(dictionary("|u1", k == 1, "(2, 3)"), merge("adbecf", "abcdef", &
+            & k == 1)), record)
          if (went_wrong(failed)) return
          call check(error, all(nint(record%value) == reshape([97, 98, 99, 100, 101, 102], [3, 2])), "order "//text_of(k))
          call check(error, index(record%warnings(1)%text, "(2, 3)") > 0 .and. index(record%warnings(1)%text, "longer side") > 0)
       end do
-      call read_bytes_of(npy(dictionary("|u1", .false., "(1, 3)"), "abc"), reader_options(), record, failed)
+      call read_array(npy(dictionary("|u1", .false., "(1, 3)"), "abc"), record)
       if (unmet(.not. allocated(failed) .and. .not. allocated(record%warnings))) return
       call check(error, all(nint(record%value(:, 1)) == [97, 98, 99]))
    end subroutine test_longer_side
@@ -218,7 +213,8 @@ contains
       says(4) = "{'fortran_order': True, 'descr': 'b', 'shape': ( 3 , ) , }"
       says(5) = "{'shape': (3, 1), 'descr': '>i1', 'fortran_order': False}"
       do i = 1, size(says)
-         call check_values(npy(says(i), achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], "int8")
+         call check_values(npy(says(i), achar(3)//achar(2)//achar(1)), [3.0_dp, 2.0_dp, 1.0_dp], &
+            & "int8")
       end do
    end subroutine test_spellings
 
@@ -240,23 +236,23 @@ contains
             stored(int(z"7E00", int64), 2, .false.)//stored(int(z"FC00", int64), 2, .false.)//stored(int(z"3C00", int64), &
                2, .false.))
          end select
-         call read_bytes_of(content, reader_options(), record, failed)
+         call read_array(content, record)
          if (went_wrong(failed)) return
          call check(error, record%audit%missing, 3_int64)
          call check(error, all(record%present(:, 1) == [0, 0, 0, 1]) .and. abs(record%value(4, 1) - 1) <= 0.0_dp)
       end do
    end subroutine test_missing
 
-   !> Integers beyond 2^53 are told; those at it are not.
+   !> A warning of integers beyond 2^53, none of those at it.
    subroutine test_rounded()
       type(record_type) :: record
       integer(int64), parameter :: edge = 9007199254740992_int64
 
-      call read_bytes_of(npy(dictionary("<i8", .false., "(3,)"), stored(edge, 8, .false.)//stored(-edge, 8, .false.)// &
-                             stored(0_int64, 8, .false.)), reader_options(), record, failed)
+      call read_array(npy(dictionary("<i8", .false., "(3,)"), stored(edge, 8, .false.)// &
+         & stored(-edge, 8, .false.)//stored(0_int64, 8, .false.)), record)
       if (unmet(.not. allocated(failed) .and. .not. allocated(record%warnings))) return
-      call read_bytes_of(npy(dictionary("<i8", .false., "(3,)"), stored(edge + 1, 8, .false.)//stored(-edge - 1, 8, .false.)// &
-                             stored(0_int64, 8, .false.)), reader_options(), record, failed)
+      call read_array(npy(dictionary("<i8", .false., "(3,)"), stored(edge + 1, 8, .false.)// &
+         & stored(-edge - 1, 8, .false.)//stored(0_int64, 8, .false.)), record)
       if (unmet(.not. allocated(failed) .and. allocated(record%warnings))) return
       call check(error, index(record%warnings(1)%text, "2 of the int64 values are beyond 2^53") > 0)
    end subroutine test_rounded
@@ -270,13 +266,13 @@ contains
       integer :: i
 
       do i = 1, size(descr)
-         call check_refusal(npy("{'descr': "//trim(descr(i))//", 'fortran_order': False, 'shape': (1,), }", &
-            "12345678"), &
-                            trim(fragment(i)))
+         call check_refusal(npy("{'descr': "//trim(descr(i))// &
+            & ", 'fortran_order': False, 'shape': (1,), }", "12345678"), trim(fragment(i)))
       end do
       call check_refusal(npy(dictionary("<f8", .false., "()"), "12345678"), "single number")
       call check_refusal(npy(dictionary("<f8", .false., "(1, 1, 1)"), "12345678"), "3 dimensions")
-      call check_refusal(npy(dictionary("<f8", .false., "(2, 3, 4, 1)"), "12345678"), ", 2, 0).reshape(4, -1))")
+      call check_refusal(npy(dictionary("<f8", .false., "(2, 3, 4, 1)"), "12345678"), &
+         & ", 2, 0).reshape(4, -1))")
       call check_refusal(npy(dictionary("<f8", .false., "(0,)"), ""), "empty")
       call check_refusal(npy(dictionary("<f8", .false., "(3, 0)"), ""), "empty")
    end subroutine test_unsuitable
@@ -286,7 +282,7 @@ contains
       character(*), intent(in) :: content, fragment
       type(record_type) :: record
 
-      call read_bytes_of(content, reader_options(), record, failed)
+      call read_array(content, record)
       if (unmet(allocated(failed), "not refused: "//fragment)) return
       call check(error, index(failed%message, fragment) > 0 .and. index(failed%message, &
          new_line("a")) > 0 .or. fragment == "empty", &
@@ -309,12 +305,11 @@ contains
          call check_refusal(npy(trim(says(i)), "12345678"), "byte ")
       end do
       call check_refusal(npy(dictionary("<f8", .false., "(2,)"), "12345678"), &
-         "byte 76: the file ends here, the header's "// &
-                         "shape (2,) of float64 needs 8 bytes more")
-      call check_refusal(npy(dictionary("<f8", .false., "(1,)"), "123456789"), "byte 76: the header's shape (1,) of "// &
-                         "float64 ends here, and 1 bytes follow")
-      call check_refusal(npy(dictionary("<f8", .false., "(999999999999999999, 999999999999999999)"), "12345678"), &
-         "larger")
+         & "byte 76: the file ends here, the header's "//"shape (2,) of float64 needs 8 bytes more")
+      call check_refusal(npy(dictionary("<f8", .false., "(1,)"), "123456789"), &
+         & "byte 76: the header's shape (1,) of "//"float64 ends here, and 1 bytes follow")
+      call check_refusal(npy(dictionary("<f8", .false., &
+         & "(999999999999999999, 999999999999999999)"), "12345678"), "larger")
    end subroutine test_broken
 
    !> Cut off at any byte, a file is refused.
@@ -325,30 +320,36 @@ contains
 
       whole = npy(dictionary("<f8", .false., "(3, 2)"), repeat("12345678", 6))
       do n = 0, len(whole) - 1
-         call read_bytes_of(whole(:n), reader_options(), record, failed)
+         call read_array(whole(:n), record)
          if (unmet(allocated(failed), "not refused at byte "//text_of(n))) return
       end do
-      call read_bytes_of(whole, reader_options(), record, failed)
+      call read_array(whole, record)
       call check(error, .not. allocated(failed))
    end subroutine test_every_length
 
    !> With any bit of the header changed, a file is read or refused, never more than its bytes.
    subroutine test_every_byte()
-      character(:), allocatable :: whole, changed
+      call change_bits(npy(dictionary("<f8", .false., "(3, 2)"), repeat(achar(0), 48)), 48)
+   end subroutine test_every_byte
+
+   !> Reads a file with each bit before its last bytes changed.
+   subroutine change_bits(whole, last)
+      character(*), intent(in) :: whole
+      integer, intent(in) :: last
+      character(len(whole)) :: changed
       type(record_type) :: record
       integer :: n, bit
 
-      whole = npy(dictionary("<f8", .false., "(3, 2)"), repeat(achar(0), 48))
-      do n = 1, len(whole) - 48
+      do n = 1, len(whole) - last
          do bit = 0, 7
             changed = whole
             changed(n:n) = achar(ieor(iachar(whole(n:n)), 2**bit))
-            call read_bytes_of(changed, reader_options(), record, failed)
+            call read_array(changed, record)
             if (allocated(failed)) cycle
-            if (unmet(size(record%value) <= 48, "byte "//text_of(n))) return
+            if (unmet(size(record%value) <= last, "byte "//text_of(n))) return
          end do
       end do
-   end subroutine test_every_byte
+   end subroutine change_bits
 
    !> The header that this library writes is one that it reads, and the numbers begin at a multiple of 64.
    subroutine test_own_header()
@@ -361,8 +362,7 @@ contains
          do order = 0, 1
             call make_npy_header(3_int64, columns, order == 1, header)
             call check(error, modulo(len(header), 64), 0)
-            call read_bytes_of(header//repeat(achar(0), int(24*max(1_int64, columns))), &
-                               reader_options(), record, failed)
+            call read_array(header//repeat(achar(0), int(24*max(1_int64, columns))), record)
             if (went_wrong(failed)) return
             call check(error, all(shape(record%value) == [3, max(1, int(columns))]))
          end do
@@ -379,15 +379,15 @@ contains
       options%time_column = "1"
       options%unit = "deg/s"
       do k = 0, 1
-         call read_bytes_of(npy(dictionary("|u1", k == 1, "(3, 3)"), merge("adgbehcfi", "abcdefghi", k == 0)), options, &
-            record, &
-                            failed)
+         call read_content(npy(dictionary("|u1", k == 1, "(3, 3)"), merge("adgbehcfi", &
+            & "abcdefghi", k == 0)), "array.npy", options, record, failed)
          if (went_wrong(failed)) return
          call check(error, all(nint(record%value) == reshape([103, 104, 105, 100, 101, 102], [3, 2])))
          call check(error, record%rate_source == "timestamps" .and. abs(record%sample_interval - 1) <= 0.0_dp)
       end do
       options%columns = "gx"
-      call read_bytes_of(npy(dictionary("|u1", .false., "(3, 3)"), "abcdefghi"), options, record, failed)
+      call read_content(npy(dictionary("|u1", .false., "(3, 3)"), "abcdefghi"), "array.npy", &
+         & options, record, failed)
       if (unmet(allocated(failed))) return
       call check(error, index(failed%message, "give numbers") > 0, failed%message)
    end subroutine test_columns
@@ -407,7 +407,7 @@ contains
                content(2*at - 1:2*at) = stored(int(modulo(i*j + 7*modulo(i, 3), 30011), int64), 2, .true.)
             end do
          end do
-         call read_bytes_of(npy(dictionary(">i2", k == 1, "(300001, 3)"), content), reader_options(), record, failed)
+         call read_array(npy(dictionary(">i2", k == 1, "(300001, 3)"), content), record)
          if (went_wrong(failed)) return
          do j = 1, 3
             call check(error, all(nint(record%value(:, j)) == [(modulo(i*j + 7*modulo(i, 3), 30011), i=1, rows)]), &
@@ -432,7 +432,7 @@ contains
       end do
       content = npy("{'descr': "//says//", 'fortran_order': False, 'shape': (70000,), }", content)
       do k = 0, 1
-         if (k == 0) call read_bytes_of(content, options, record, failed)
+         if (k == 0) call read_content(content, "array.npy", options, record, failed)
          if (k == 1) then
             allocate (options%bytes(len(content)))
             options%bytes = transfer(content, options%bytes)
@@ -454,26 +454,15 @@ contains
       character(*), parameter :: before = "{'descr': ", behind = ", 'fortran_order': False, 'shape': (2,)}"
       character(40), parameter :: says(6) = [character(40) :: "[('a', '<f8', (2,))]", "[('a', [('b', '<f8')])]", &
          "[(('title', 'a'), '<f8')]", "[('', '|V-5'), ('a', '<f8')]", "[]", "[('a', '<f8'"]
-      character(:), allocatable :: whole, changed
-      type(record_type) :: record
-      integer :: i, n, bit
+      integer :: i
 
       do i = 1, size(says)
          call check_refusal(npy(before//trim(says(i))//behind, repeat("x", 16)), "structured")
          if (i == 4) call check_refusal(npy(before//"[('a', '<f8')], 'shape': (1, 2), 'fortran_order': True}", &
                                                    repeat("x", 16)), "2 dimensions")
       end do
-      whole = npy(before//"[('a', '<f4'), ('', '|V4'), ('b', '<f8')]"//behind, repeat(achar(0), 32))
-      do n = 1, len(whole) - 32
-         do bit = 0, 7
-            changed = whole
-            changed(n:n) = achar(ieor(iachar(whole(n:n)), 2**bit))
-            call read_bytes_of(changed, reader_options(), record, failed)
-            if (allocated(failed)) cycle
-            call check(error, size(record%value) <= 32, "byte "//text_of(n))
-            if (allocated(error)) return
-         end do
-      end do
+      call change_bits(npy(before//"[('a', '<f4'), ('', '|V4'), ('b', '<f8')]"//behind, &
+         & repeat(achar(0), 32)), 32)
    end subroutine test_structured_broken
 
 end module test_npy

@@ -14,11 +14,11 @@ module test_number
    public :: suite_number
 
    !> Characters of the longest number
-   integer, parameter :: room = 900
+   integer, parameter :: longest = 900
 
    !> The text of a number under construction
    type :: builder_type
-      character(room) :: text
+      character(longest) :: text
       integer :: length
       !> State of the generator (multiplicative congruential, modulus 2^31 - 1)
       integer(int64) :: state
@@ -54,12 +54,7 @@ contains
       call test("locale", test_locale)
       call test("powers", test_powers)
       call test("usual-forms", test_usual)
-      call test("random-plain", test_random_plain)
-      call test("random-exponent", test_random_exponent)
-      call test("random-subnormal", test_random_subnormal)
-      call test("random-halfway", test_random_halfway)
-      call test("random-shortest", test_random_shortest)
-      call test("random-long", test_random_long)
+      call test("random", test_random)
    end subroutine suite_number
 
    !> A random integer from 0 to n - 1, n <= 2^30.
@@ -314,79 +309,67 @@ contains
       call check(error, found == number%ok .and. transfer(value, 1_int64) == transfer(9007199254740992.0_dp, 1_int64), tie)
    end subroutine test_locale
 
-   !> As files have them: up to 20 digits before and 25 after the point.
-   subroutine test_random_plain()
+   !> Random numbers of six kinds.
+   subroutine test_random()
+      integer, parameter :: texts(6) = [450000, 300000, 100000, 60000, 40000, 1500]
       type(builder_type) :: b
-      integer :: i
+      integer :: i, kind
 
-      b%state = 1
-      do i = 1, 450000
-         call begin(b)
+      do kind = 1, size(texts)
+         b%state = kind
+         do i = 1, texts(kind)
+            call draw_number(b, kind)
+            ! a little beside halfway
+            if (same(b) .and. kind == 4) call add(b, repeat("0", draw(b, 9))//"1")
+            if (same(b)) cycle
+            call check(error, .false., b%text(:b%length))
+            return
+         end do
+      end do
+   end subroutine test_random
+
+   !> A number of one of the kinds.
+   subroutine draw_number(b, kind)
+      type(builder_type), intent(inout) :: b
+      integer, intent(in) :: kind
+      real(dp) :: value
+      integer(int64) :: bits
+
+      if (kind /= 5) call begin(b)
+      select case (kind)
+      case (1)   ! as files have them: up to 20 digits before and 25 after the point
          call add_digits(b, 1 + draw(b, merge(3, 20, draw(b, 2) == 0)))
          if (draw(b, 8) > 0) call add(b, ".")
          if (b%text(b%length:b%length) == ".") call add_digits(b, draw(b, 26))
-         if (same(b)) cycle
-         call check(error, .false., b%text(:b%length))
-         return
-      end do
-   end subroutine test_random_plain
-
-   !> 1 to 25 digits and an exponent anywhere in the range and beyond.
-   subroutine test_random_exponent()
-      type(builder_type) :: b
-      integer :: i
-
-      b%state = 2
-      do i = 1, 300000
-         call begin(b)
+      case (2)   ! 1 to 25 digits and an exponent anywhere in the range and beyond
          call add_digits(b, 1)
          call add(b, ".")
          call add_digits(b, draw(b, 25))
          if (draw(b, 2) == 0) call add_exponent(b, -30, 30)
          if (b%text(b%length:b%length) == "." .or. draw(b, 2) == 0) call add_digits(b, 1)
          if (scan(b%text(:b%length), "eE") == 0) call add_exponent(b, -345, 312)
-         if (same(b)) cycle
-         call check(error, .false., b%text(:b%length))
-         return
-      end do
-   end subroutine test_random_exponent
-
-   !> Around the smallest normal number and below.
-   subroutine test_random_subnormal()
-      type(builder_type) :: b
-      integer :: i
-
-      b%state = 3
-      do i = 1, 100000
-         call begin(b)
+      case (3)   ! around the smallest normal number and below
          call add_digits(b, 1)
          call add(b, ".")
          call add_digits(b, draw(b, 22))
          call add_exponent(b, -326, -305)
-         if (same(b)) cycle
-         call check(error, .false., b%text(:b%length))
-         return
-      end do
-   end subroutine test_random_subnormal
-
-   !> Exactly between two numbers, and a little beside it: (2 m + 1)/2^k with a mantissa m of 53 bits.
-   subroutine test_random_halfway()
-      type(builder_type) :: b
-      integer(int64) :: odd
-      integer :: i
-
-      b%state = 4
-      do i = 1, 60000
-         odd = 2_int64**53 + 2*(int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)) + 1
-         if (draw(b, 8) == 0) odd = 2_int64**54 - 1
-         call begin(b)
-         call add_halved(b, odd, draw(b, 70))
-         if (.not. same(b)) exit
-         call add(b, repeat("0", draw(b, 9))//"1")
-         if (.not. same(b)) exit
-      end do
-      if (i <= 60000) call check(error, .false., b%text(:b%length))
-   end subroutine test_random_halfway
+      case (4)   ! exactly between two numbers: (2 m + 1)/2^k with a mantissa m of 53 bits
+         bits = 2_int64**53 + 2*(int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)) + 1
+         if (draw(b, 8) == 0) bits = 2_int64**54 - 1
+         call add_halved(b, bits, draw(b, 70))
+      case (5)   ! random bits printed with 17 digits, which have to come back
+         bits = int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)
+         value = transfer(shiftl(int(1 + draw(b, 2045), int64), 52) + bits, value)
+         write (b%text(:24), "(es24.16e3)") value
+         b%text(:24) = adjustl(b%text(:24))
+         b%length = len_trim(b%text(:24))
+      case default   ! hundreds of digits
+         call add_digits(b, 1 + draw(b, 400))
+         call add(b, ".")
+         call add_digits(b, draw(b, 400))
+         if (draw(b, 2) == 0) call add_exponent(b, -700, 300)
+      end select
+   end subroutine draw_number
 
    !> Appends whole/2^k with all of its decimal places.
    subroutine add_halved(b, whole, k)
@@ -414,44 +397,5 @@ contains
       end do
       if (k == 0) call add(b, ".")
    end subroutine add_halved
-
-   !> Random bits printed with 17 digits, which have to come back.
-   subroutine test_random_shortest()
-      type(builder_type) :: b
-      real(dp) :: value
-      integer(int64) :: bits
-      integer :: i
-
-      b%state = 5
-      do i = 1, 40000
-         bits = int(draw(b, 2**26), int64)*2_int64**26 + draw(b, 2**26)
-         value = transfer(shiftl(int(1 + draw(b, 2045), int64), 52) + bits, value)
-         b%length = 24
-         write (b%text(:24), "(es24.16e3)") value
-         b%text(:24) = adjustl(b%text(:24))
-         b%length = len_trim(b%text(:24))
-         if (same(b)) cycle
-         call check(error, .false., b%text(:b%length))
-         return
-      end do
-   end subroutine test_random_shortest
-
-   !> Hundreds of digits.
-   subroutine test_random_long()
-      type(builder_type) :: b
-      integer :: i
-
-      b%state = 6
-      do i = 1, 1500
-         call begin(b)
-         call add_digits(b, 1 + draw(b, 400))
-         call add(b, ".")
-         call add_digits(b, draw(b, 400))
-         if (draw(b, 2) == 0) call add_exponent(b, -700, 300)
-         if (same(b)) cycle
-         call check(error, .false., b%text(:b%length))
-         return
-      end do
-   end subroutine test_random_long
 
 end module test_number

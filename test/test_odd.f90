@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Contents of files that nobody would write on purpose; many were found by ci/fuzz.
+!> Unusual contents of files; many were found by ci/fuzz.
 module test_odd
    use expectations, only : unmet, failed => problem, test, error, check
    use gyroakf_kinds, only : dp, int8
@@ -100,7 +100,7 @@ contains
       call check(error, index(message, "the rate has to lie between 1e-30 and 1e30 Hz, and is 1e-310") == 1)
    end subroutine test_impossible_rate
 
-   !> What is said of a content, and what to do.
+   !> The message about a content, and what to do.
    subroutine test_said()
       character(1), parameter :: cr = achar(13)
 

@@ -33,27 +33,18 @@ contains
    !> Odd, even, ties, both zeros, all negative, one, huge and tiny.
    subroutine test_median_by_hand()
       call middle_is([3.0_dp, -1.0_dp, 2.0_dp], 2.0_dp)
-      if (allocated(error)) return
       call middle_is([3.0_dp, -1.0_dp, 2.0_dp, -0.0_dp], 1.0_dp)
-      if (allocated(error)) return
       call middle_is([5.0_dp, 2.0_dp, 2.0_dp, 2.0_dp, 9.0_dp, 1.0_dp], 2.0_dp)
-      if (allocated(error)) return
       call middle_is([-0.0_dp, 0.0_dp], 0.0_dp)
-      if (allocated(error)) return
       call middle_is([-3.0_dp, -1.0_dp, -2.0_dp, -9.0_dp], -2.5_dp)
-      if (allocated(error)) return
       call middle_is([7.0_dp], 7.0_dp)
-      if (allocated(error)) return
       call middle_is([huge(1.0_dp), -huge(1.0_dp), tiny(1.0_dp)], tiny(1.0_dp))
-      if (allocated(error)) return
       call middle_is([huge(1.0_dp), huge(1.0_dp)], huge(1.0_dp))
    end subroutine test_median_by_hand
 
    !> Checks one median.
    subroutine middle_is(x, expected)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> Its median
       real(dp), intent(in) :: expected
       real(dp) :: median
 

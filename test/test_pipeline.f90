@@ -30,15 +30,14 @@ contains
       call test("paper-chain", test_paper_chain)
       call test("misfit", test_misfit)
       call test("threads", test_threads)
-      call test("missing-few", test_missing_few)
-      call test("missing-many", test_missing_many)
+      call test("missing", test_missing)
       call test("reduction", test_reduction)
       call test("channels", test_channels)
       call test("outlier-times", test_outlier_times)
       call test("changed-noise", test_changed_noise)
       call test("raw", test_raw)
       call test("tested", test_tested)
-      call test("single-rooms", test_single_rooms)
+      call test("single-stages", test_single_stages)
       call test("series", test_series)
       call test("differences", test_differences)
    end subroutine suite_pipeline
@@ -197,7 +196,7 @@ contains
       end associate
    end subroutine test_threads
 
-   !> One number of every room.
+   !> One number of every stage.
    function figures(c) result(x)
       type(channel_result_type), intent(in) :: c
       real(dp) :: x(12)
@@ -234,13 +233,10 @@ contains
       end do
    end subroutine compare_missing
 
-   subroutine test_missing_few()
+   subroutine test_missing()
       call compare_missing(0.003_dp)
-   end subroutine test_missing_few
-
-   subroutine test_missing_many()
       call compare_missing(0.05_dp)
-   end subroutine test_missing_many
+   end subroutine test_missing
 
    !> What the adaptive filter leaves of a coefficient: of 10, 4 is 60 % less; an upper limit of 2 at least 80 %; 11 says nothing.
    subroutine test_reduction()
@@ -333,7 +329,7 @@ contains
                  index(result%channel(1)%warnings(1)%text, "at 9.8, 19.8, 29.8") > 0)
    end subroutine test_outlier_times
 
-   !> The second half has twice the noise of the first: a warning says so; of the record as it is nothing is said.
+   !> The second half has twice the noise of the first: a warning; none for the record as it is.
    subroutine test_changed_noise()
       type(record_type) :: record
       type(pipeline_result_type) :: result
@@ -356,7 +352,7 @@ contains
       end do
    end subroutine test_changed_noise
 
-   !> AR noise is no sum of the five terms, and the result says so; white noise is, and nothing is said.
+   !> AR noise is no sum of the five terms, and there is a warning; white noise is, and there is none.
    subroutine test_misfit()
       type(record_type) :: record
       type(simulate_options) :: options
@@ -375,8 +371,8 @@ contains
       call check(error, .not. (says(result%channel(1), "is not a sum") .or. says(result%channel(1), "bends")), "white noise")
    end subroutine test_misfit
 
-   !> The rooms that a single command switches off have no result.
-   subroutine test_single_rooms()
+   !> The stages that a single command switches off have no result.
+   subroutine test_single_stages()
       type(record_type) :: record
       type(pipeline_options) :: options
       type(pipeline_result_type) :: result
@@ -396,7 +392,7 @@ contains
       options%do_filter = .true.
       call check(error, run(record, result, options))
       call check(error, result%channel(1)%available%akf .and. .not. result%channel(1)%allan(stage%input)%available)
-   end subroutine test_single_rooms
+   end subroutine test_single_stages
 
    !> The series that are kept have the variances that are reported; outliers are marked in the mask.
    subroutine test_series()

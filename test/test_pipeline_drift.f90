@@ -47,7 +47,6 @@ contains
             call check(error, c%drift%name == "ar1" .and. abs(c%drift_smoother%dc_gain - model%q(1)/(model%q(1) &
                        + model%r*(1 - model%phi(1))**2)) < 1.0e-12_dp, "the share of the spectrum at frequency 0")
          end associate
-         if (allocated(error)) return
          call check(error, c%drift_kf%nis_mean > c%drift_kf%nis_low .and. c%drift_kf%nis_mean < c%drift_kf%nis_high)
       end associate
    end subroutine test_drift

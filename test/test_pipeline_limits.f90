@@ -162,7 +162,7 @@ contains
       call check(error, abs(b%channel(1)%kf%mean) < 1.0e-3_dp .and. abs(b%channel(1)%raw%mean - 100) < 1.0e-2_dp)
    end subroutine test_offset
 
-   !> A channel without variance: its rooms are named, the other channel goes on.
+   !> A channel without variance: its stages are named, the other channel is analyzed.
    subroutine test_constant()
       type(record_type) :: record
       type(pipeline_result_type) :: result
@@ -210,7 +210,7 @@ contains
       call check(error, failed%code == status%too_few_samples .and. index(failed%message, "record: 9;") > 0)
    end subroutine test_too_short
 
-   !> 10 to 60 samples: no error, and every room that failed is named.
+   !> 10 to 60 samples: no error, and every stage that failed is named.
    subroutine test_short()
       type(record_type) :: whole, record
       type(pipeline_result_type) :: result

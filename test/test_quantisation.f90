@@ -26,11 +26,8 @@ contains
 
    !> The grid of a series, compared with its own standard deviation.
    subroutine run(x, grid, valid)
-      !> Series
       real(dp), intent(in), contiguous :: x(:)
-      !> The grid
       type(quantisation_type), intent(out) :: grid
-      !> 1 present, 0 missing
       integer(int8), intent(in), optional :: valid(:)
       type(moments_type) :: moments
 

@@ -24,9 +24,9 @@ module test_quasi_newton
       procedure :: evaluate => evaluate_quadratic
    end type quadratic_type
 
-   !> x - log(x) - log(1 - x) beyond walls at 0 and 1; beyond them NaN, or told
+   !> x - log(x) - log(1 - x) beyond walls at 0 and 1; beyond them NaN, or infeasible
    type, extends(objective_type) :: wall_type
-      logical :: tells = .true.
+      logical :: infeasible = .true.
    contains
       procedure :: evaluate => evaluate_wall
    end type wall_type
@@ -87,7 +87,7 @@ contains
       if (feasible) then
          value = parameter(1) - log(parameter(1)) - log(1 - parameter(1))
          gradient = 1 - 1/parameter(1) + 1/(1 - parameter(1))
-      else if (.not. self%tells) then
+      else if (.not. self%infeasible) then
          feasible = .true.
          value = ieee_value(value, ieee_quiet_nan)
       end if
@@ -156,7 +156,7 @@ contains
       integer :: i
 
       do i = 1, 4
-         wall%tells = mod(i, 2) == 0
+         wall%infeasible = mod(i, 2) == 0
          call minimise(wall, [merge(1e-3_dp, 1 - 1e-6_dp, i > 2)], minimise_options(), minimum, failure)
          if (unmet(.not. allocated(failure) .and. minimum%converged, "converged")) return
          call check(error, abs(minimum%parameter(1) - (3 - sqrt(5.0_dp))/2) < 1e-9_dp, "between the walls")

@@ -5,14 +5,14 @@ module test_raw
    use, intrinsic :: iso_c_binding, only : c_int, c_loc
    use expectations, only : failed => problem, test, error, check, went_wrong, check_refused
    use gyroakf_kinds, only : dp, int64, int8
-   use gyroakf_error, only : gyro_error => error_type, status
+   use gyroakf_error, only : status
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_io_recording, only : close_recording, next_rows, open_recording, recording_type
    use gyroakf_stats_extremes, only : all_sound, scan_extremes
    use gyroakf_io_system, only : move_bytes
    use gyroakf_record, only : record_type
-   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use scratch_file, only : read_content, remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
    public :: suite_raw
@@ -36,7 +36,7 @@ contains
    subroutine test_words()
       character(6), parameter :: word(10) = [character(6) :: "f64", "f32be", "i8", "i16le", "u64be", "f16", "u8be", "i32", &
          "u32", "i64"]
-      character(6), parameter :: told(10) = [character(6) :: "f64le", "f32be", "i8", "i16le", "u64be", "f16le", "u8", &
+      character(6), parameter :: full(10) = [character(6) :: "f64le", "f32be", "i8", "i16le", "u64be", "f16le", "u8", &
          "i32le", "u32le", &
                                             "i64le"]
       character(6), parameter :: wrong(8) = [character(6) :: "", "f8", "i12", "f64b", "be", "f128", "u16xe", "text"]
@@ -47,7 +47,7 @@ contains
       do i = 1, size(word)
          call parse_element(trim(word(i)), element, known)
          call check(error, known, trim(word(i)))
-         call check(error, trim(element_word(element)), trim(told(i)))
+         call check(error, trim(element_word(element)), trim(full(i)))
       end do
       call check(error, element_name(element), "int64")
       do i = 1, size(wrong)
@@ -55,18 +55,6 @@ contains
          call check(error, .not. known, trim(wrong(i)))
       end do
    end subroutine test_words
-
-   !> Writes and reads.
-   subroutine read_bytes_of(content, name, options, record, failed)
-      character(*), intent(in) :: content, name
-      type(reader_options), intent(in) :: options
-      type(record_type), intent(out) :: record
-      type(gyro_error), allocatable, intent(out) :: failed
-
-      call write_bytes(scratch_path(name), content)
-      call read_record(scratch_path(name), options, record, failed)
-      call remove_file(scratch_path(name))
-   end subroutine read_bytes_of
 
    !> More doubles than a block: the very bits come back, infinities and NaN as missing.
    subroutine test_doubles()
@@ -86,7 +74,7 @@ contains
       allocate (character(8*n) :: content)
       content(:) = transfer(value, content)
       options%format = merge("f64le", "f64be", transfer(1, "a") == achar(1))
-      call read_bytes_of(content, "x.dat", options, record, failed)
+      call read_content(content, "x.dat", options, record, failed)
       if (went_wrong(failed)) return
       call check(error, record%audit%missing, 2_int64)
       value([77, n]) = 0.0_dp
@@ -110,22 +98,24 @@ contains
       options%skip = 4
       options%time_column = "1"
       options%columns = "3,2"
-      call read_bytes_of(content, "x.dat", options, record, failed)
+      call read_content(content, "x.dat", options, record, failed)
       if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == 256) .and. all(nint(record%value(:, 2)) == [(-modulo(i, 50) - 1, &
          i=1, 300)]))
       call check(error, record%rate_source, "timestamps")
    end subroutine test_channels
 
-   !> Without a format the end of the name counts, which is said; text stays text.
+   !> Without a format the end of the name counts, with a warning; text stays text.
    subroutine test_name()
       type(record_type) :: record
 
-      call read_bytes_of(achar(1)//achar(0)//achar(3)//achar(0), "x.i16", reader_options(), record, failed)
+      call read_content(achar(1)//achar(0)//achar(3)//achar(0), "x.i16", reader_options(), record, &
+         & failed)
       if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == [1, 3]) .and. record%format == "i16le")
       call check(error, index(record%warnings(1)%text, "as the name .i16 says") > 0)
-      call read_bytes_of("1"//new_line("a")//"3"//new_line("a"), "x.i16", reader_options(), record, failed)
+      call read_content("1"//new_line("a")//"3"//new_line("a"), "x.i16", reader_options(), record, &
+         & failed)
       if (went_wrong(failed)) return
       call check(error, all(nint(record%value(:, 1)) == [1, 3]) .and. record%format == "text")
    end subroutine test_name
@@ -179,7 +169,7 @@ contains
       integer, intent(in) :: code
       type(record_type) :: record
 
-      call read_bytes_of(content, "x.dat", options, record, failed)
+      call read_content(content, "x.dat", options, record, failed)
       call check_refused(failed, code)
       call check(error, index(failed%message, fragment) > 0, failed%message)
    end subroutine expect
@@ -241,11 +231,11 @@ contains
 
    !> A descriptor that is none: the system refuses, which is no end of a file.
    subroutine test_refused_by_system()
-      real(dp), target :: room(4)
+      real(dp), target :: buffer(4)
       integer(int64) :: got
       logical :: failed
 
-      call move_bytes(-1_c_int, c_loc(room), 32_int64, got, failed, 0_int64)
+      call move_bytes(-1_c_int, c_loc(buffer), 32_int64, got, failed, 0_int64)
       call check(error, failed .and. got == 0)
    end subroutine test_refused_by_system
 

@@ -7,7 +7,7 @@ module test_reader
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : record_type
-   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use scratch_file, only : read_content
    implicit none (type, external)
    private
    public :: suite_reader
@@ -59,9 +59,7 @@ contains
       character(:), allocatable :: text
       integer :: i, j
 
-      call write_bytes(scratch_path("reader.txt"), content)
-      call read_record(scratch_path("reader.txt"), options, record, failed)
-      call remove_file(scratch_path("reader.txt"))
+      call read_content(content, "reader.txt", options, record, failed)
       text = ""
       if (allocated(failed)) text = failed%message
       if (allocated(failed)) return
@@ -404,7 +402,7 @@ contains
                  "0 1 / 0.1 2 / 0.2 1 ")
    end subroutine test_looks_like_time
 
-   !> Text, temperatures, further times and repeated names are left out, and it is said.
+   !> Text, temperatures, further times and repeated names are left out, with a warning.
    subroutine test_left_out()
       type(record_type) :: record
       type(reader_options) :: options

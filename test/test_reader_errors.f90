@@ -8,7 +8,7 @@ module test_reader_errors
    use gyroakf_io_gzip, only : inflate_bytes, inflate_end, inflater_type
    use gyroakf_io_reader, only : reader_options, read_record
    use gyroakf_record, only : record_type
-   use scratch_file, only : remove_file, scratch_path, write_bytes
+   use scratch_file, only : read_content, scratch_path
    implicit none (type, external)
    private
    public :: suite_reader_errors
@@ -44,18 +44,16 @@ contains
       type(reader_options), intent(in) :: options
       integer, intent(out) :: code
       character(:), allocatable :: text
-      type(record_type) :: record
       character(:), allocatable :: path
+      type(record_type) :: record
 
-      path = scratch_path("errors.txt")
-      call write_bytes(path, content)
-      call read_record(path, options, record, failed)
-      call remove_file(path)
+      call read_content(content, "errors.txt", options, record, failed)
       text = "accepted"
       code = status%ok
       if (.not. allocated(failed)) return
       code = failed%code
       text = failed%message
+      path = scratch_path("errors.txt")
       if (index(text, path) == 1) text = text(len(path) + 1:)
    end function message
 
@@ -150,30 +148,31 @@ contains
    end subroutine test_gzip
 
    !> Decompresses the rows into a buffer.
-   subroutine inflate_rows(inflater, room, got, code, problem)
+   subroutine inflate_rows(inflater, buffer, got, code, problem)
       type(inflater_type), intent(inout) :: inflater
-      integer(int8), intent(inout), contiguous, target :: room(:)
+      integer(int8), intent(inout), contiguous, target :: buffer(:)
       integer(int64), intent(out) :: got
       integer, intent(out) :: code
       character(*), intent(out) :: problem
       logical :: whole
 
       inflater%input = transfer(achar(packed_bytes), 0_int8, size(packed_bytes))
-      call inflate_bytes(inflater, size(packed_bytes, kind=int64), room, got, whole, code, problem)
+      call inflate_bytes(inflater, size(packed_bytes, kind=int64), buffer, got, whole, code, &
+         & problem)
    end subroutine inflate_rows
 
    !> A buffer of more than 32 bits count: only the bytes that are written have a place in memory.
    subroutine test_gzip_buffer()
       type(inflater_type), target :: inflater
       integer(int8), target :: written(32)
-      integer(int8), pointer, contiguous :: room(:)
+      integer(int8), pointer, contiguous :: buffer(:)
       character(80) :: problem
       integer(int64) :: got
       integer(c_int) :: ended
       integer :: code
 
-      call c_f_pointer(c_loc(written), room, [2_int64**32])
-      call inflate_rows(inflater, room, got, code, problem)
+      call c_f_pointer(c_loc(written), buffer, [2_int64**32])
+      call inflate_rows(inflater, buffer, got, code, problem)
       ended = inflate_end(inflater%stream)
       call check(error, ended, 0)
       call check(error, got == 8 .and. code == status%ok, trim(problem))
@@ -182,13 +181,13 @@ contains
    !> Where zlib gets no memory.
    subroutine test_gzip_memory()
       type(inflater_type), target :: inflater
-      integer(int8) :: room(32)
+      integer(int8) :: buffer(32)
       character(80) :: problem
       integer(int64) :: got
       integer :: code
 
       inflater%stream%allocate = c_funloc(no_memory)
-      call inflate_rows(inflater, room, got, code, problem)
+      call inflate_rows(inflater, buffer, got, code, problem)
       call check(error, code, status%no_memory, trim(problem))
    end subroutine test_gzip_memory
 

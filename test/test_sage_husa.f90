@@ -21,7 +21,6 @@ contains
 
    subroutine suite_sage_husa()
       call test("increments_are_the_recursion", test_increments)
-      call test("increments_order_three", test_increments_three)
       call test("scalar_and_vector_agree", test_scalar_vector)
       call test("step_and_run_agree", test_step_run)
       call test("weights", test_weights)
@@ -121,16 +120,9 @@ contains
 
       do i = 1, size(forms)
          call compare([0.6_dp], trim(forms(i)))
-      end do
-   end subroutine test_increments
-
-   subroutine test_increments_three()
-      integer :: i
-
-      do i = 1, size(forms)
          call compare(phi3, trim(forms(i)))
       end do
-   end subroutine test_increments_three
+   end subroutine test_increments
 
    !> The path for one coefficient against the general one, for every form, with gate, burn-in and missing samples
    subroutine test_scalar_vector()

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The self-test passes, and a wrong value fails it.
+!> The self-test passes, and a wrong value fails it; one version everywhere.
 module test_selftest
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp
@@ -10,9 +10,11 @@ module test_selftest
    use json_reader, only : file_text
    use scratch_file, only : scratch_path, remove_file
    use expectations, only : failure => problem, test, error, check, went_wrong
+   use gyroakf_release, only : release_major, release_minor, release_number, release_patch, &
+      & release_string
    implicit none (type, external)
    private
-   public :: suite_selftest
+   public :: suite_selftest, suite_release
 
 contains
 
@@ -22,6 +24,11 @@ contains
       call test("wrong_value_fails", test_wrong_value)
       call test("report", test_report)
    end subroutine suite_selftest
+
+   subroutine suite_release()
+      call test("numbers", test_numbers)
+      call test("manifest", test_manifest)
+   end subroutine suite_release
 
    subroutine test_all_agree()
       type(selftest_type) :: result
@@ -91,5 +98,35 @@ contains
       call check(error, index(text, "9.122945e+01  ok") > 0 .and. index(text, "9.122946e+01  FAILED") > 0, text)
       call check(error, index(text, "the matrix is singular") > 0 .and. index(text, "8 checks, 6 FAILED") > 0, text)
    end subroutine test_report
+
+   !> The text and the number are made of the same three parts.
+   subroutine test_numbers()
+      character(32) :: text
+
+      write (text, '(i0, ".", i0, ".", i0)') release_major, release_minor, release_patch
+      call check(error, release_string, trim(text))
+      call check(error, release_number, 10000*release_major + 100*release_minor + release_patch)
+   end subroutine test_numbers
+
+   !> fpm.toml, read from the directory in which fpm runs the tests, has the same version.
+   subroutine test_manifest()
+      character(*), parameter :: key = "version = """
+      character(256) :: line
+      integer :: unit, stat
+
+      open (newunit=unit, file="fpm.toml", status="old", action="read", iostat=stat)
+      call check(error, stat == 0, "fpm.toml cannot be opened: run the tests from the root of the project")
+      do
+         read (unit, "(a)", iostat=stat) line
+         if (stat /= 0) exit
+         if (index(line, key) == 1) exit
+      end do
+      close (unit)
+      if (stat /= 0) then
+         call check(error, .false., "no version in fpm.toml")
+      else
+         call check(error, trim(line), key//release_string//"""", "fpm.toml and release_string differ")
+      end if
+   end subroutine test_manifest
 
 end module test_selftest

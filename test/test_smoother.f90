@@ -7,8 +7,7 @@ module test_smoother
    use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_smoother, only : smooth_drift
-   use gyroakf_lapack, only : dpotrf, dpotrs
-   use filter_library, only : fill_noise, make_series
+   use filter_library, only : dense_drift, fill_noise, make_series
    implicit none (type, external)
    private
    public :: suite_smoother
@@ -19,13 +18,7 @@ module test_smoother
 contains
 
    subroutine suite_smoother()
-      call test("ar1-dense", test_ar1)
-      call test("mixture-dense", test_mixture)
-      call test("walk-dense", test_walk)
-      call test("walk-and-noise-dense", test_walk_and_noise)
-      call test("gaps-dense", test_gaps)
-      call test("late-start-dense", test_late_start)
-      call test("white-dense", test_white)
+      call test("dense", test_dense)
       call test("blocks", test_blocks)
       call test("honest-variance", test_honest_variance)
       call test("offset", test_offset)
@@ -41,68 +34,6 @@ contains
       model_of%q(:size(phi)) = q
       model_of%r = r
    end function model_of
-
-   !> Mean and variance of the drift given the present samples, by covariance matrices; the level of a random walk by generalised
-   !> least squares.
-   subroutine dense_drift(model, slow, z, here, white, drift, variance)
-      type(component_model_type), intent(in) :: model
-      logical, intent(in) :: slow(:), here(:)
-      real(dp), intent(in) :: z(:), white(:)
-      real(dp), intent(out) :: drift(:), variance(:)
-      real(dp), allocatable :: a(:, :), solved(:, :), cross(:), right(:, :)
-      integer, allocatable :: at(:)
-      real(dp) :: own, level, weight, share
-      integer :: i, j, k, n, info, t
-      logical :: walk, any_walk
-
-      at = pack([(i, i=1, size(z))], here)
-      n = size(at)
-      allocate (a(n, n), solved(n, 2), cross(n), right(n, 1))
-      do j = 1, n
-         do i = 1, n
-            a(i, j) = sum([(covariance(model, k, at(i), at(j), at(1)), k=1, model%count)])
-         end do
-         a(j, j) = a(j, j) + white(at(j))
-      end do
-      call dpotrf("L", n, a, n, info)
-      solved(:, 1) = z(at)
-      solved(:, 2) = 1.0_dp
-      call dpotrs("L", n, 2, a, n, solved, n, info)
-      any_walk = any(model%phi(:model%count) >= 1.0_dp)
-      walk = any(slow .and. model%phi(:model%count) >= 1.0_dp)
-      level = 0.0_dp
-      weight = sum(solved(:, 2))
-      if (any_walk) level = sum(solved(:, 1))/weight
-      do t = 1, size(z)
-         cross = 0.0_dp
-         own = 0.0_dp
-         do k = 1, model%count
-            if (.not. slow(k)) cycle
-            cross = cross + [(covariance(model, k, t, at(i), at(1)), i=1, n)]
-            own = own + covariance(model, k, t, t, at(1))
-         end do
-         drift(t) = dot_product(cross, solved(:, 1) - level*solved(:, 2)) + merge(level, 0.0_dp, walk)
-         right(:, 1) = cross
-         call dpotrs("L", n, 1, a, n, right, n, info)
-         variance(t) = own - dot_product(cross, right(:, 1))
-         share = merge(1.0_dp, 0.0_dp, walk) - dot_product(cross, solved(:, 2))
-         if (any_walk) variance(t) = variance(t) + share**2/weight
-      end do
-   end subroutine dense_drift
-
-   !> Covariance of a process at two samples; of a random walk of its distances from the level at the first present sample.
-   pure real(dp) function covariance(model, k, i, j, first)
-      type(component_model_type), intent(in) :: model
-      integer, intent(in) :: k, i, j, first
-
-      if (model%phi(k) < 1.0_dp) then
-         covariance = model%q(k)/(1.0_dp - model%phi(k)**2)*model%phi(k)**abs(i - j)
-      else if ((i - first)*(j - first) <= 0) then
-         covariance = 0.0_dp
-      else
-         covariance = model%q(k)*min(abs(i - first), abs(j - first))
-      end if
-   end function covariance
 
    !> Compares the smoother with the matrices.
    subroutine compare(model, slow, here, white)
@@ -128,54 +59,29 @@ contains
       call check(error, maxval(abs(variance - spread_expected)) <= dense)
    end subroutine compare
 
-   !> No sample is missing.
-   pure function all_here() result(here)
+   !> Processes of every kind, samples missing, also before the first measurement, white noise whose
+   !> variance changes.
+   subroutine test_dense()
+      type(component_model_type) :: both
       logical :: here(50)
-
-      here = .true.
-   end function all_here
-
-   subroutine test_ar1()
-      call compare(model_of([0.9_dp], [0.4_dp], 1.5_dp), [.true.], all_here())
-   end subroutine test_ar1
-
-   subroutine test_mixture()
-      call compare(model_of([0.5_dp, 0.95_dp], [0.4_dp, 0.02_dp], 0.7_dp), [.false., .true.], all_here())
-   end subroutine test_mixture
-
-   subroutine test_walk()
-      call compare(model_of([1.0_dp], [0.1_dp], 1.0_dp), [.true.], all_here())
-   end subroutine test_walk
-
-   subroutine test_walk_and_noise()
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], all_here())
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here())
-   end subroutine test_walk_and_noise
-
-   subroutine test_gaps()
-      logical :: here(50)
-
-      here = .true.
-      here([2, 3, 17, 30, 31, 32, 50]) = .false.
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
-   end subroutine test_gaps
-
-   subroutine test_late_start()
-      logical :: here(50)
-
-      here = .true.
-      here(:7) = .false.
-      call compare(model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.true., .true.], here)
-      call compare(model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
-   end subroutine test_late_start
-
-   !> White noise whose variance changes.
-   subroutine test_white()
       integer :: i
 
-      call compare(model_of([0.9_dp, 1.0_dp], [0.1_dp, 0.02_dp], 0.6_dp), [.true., .true.], all_here(), &
+      here = .true.
+      both = model_of([0.7_dp, 1.0_dp], [0.5_dp, 0.02_dp], 0.6_dp)
+      call compare(model_of([0.9_dp], [0.4_dp], 1.5_dp), [.true.], here)
+      call compare(model_of([0.5_dp, 0.95_dp], [0.4_dp, 0.02_dp], 0.7_dp), [.false., .true.], here)
+      call compare(model_of([1.0_dp], [0.1_dp], 1.0_dp), [.true.], here)
+      call compare(both, [.false., .true.], here)
+      call compare(both, [.true., .true.], here)
+      call compare(model_of([0.9_dp, 1.0_dp], [0.1_dp, 0.02_dp], 0.6_dp), [.true., .true.], here, &
                    [(merge(9.0_dp, 0.5_dp, i > 20 .and. i < 35), i=1, 50)])
-   end subroutine test_white
+      here([2, 3, 17, 30, 31, 32, 50]) = .false.
+      call compare(both, [.true., .true.], here)
+      here = .true.
+      here(:7) = .false.
+      call compare(both, [.true., .true.], here)
+      call compare(model_of([0.7_dp, 0.9_dp], [0.5_dp, 0.02_dp], 0.6_dp), [.false., .true.], here)
+   end subroutine test_dense
 
    !> More samples than a block: those far from both ends do not feel where a series is cut.
    subroutine test_blocks()

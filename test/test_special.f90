@@ -6,7 +6,7 @@ module test_special
    use gyroakf_kinds, only : dp
    use gyroakf_special, only : chi_square_cdf, chi_square_quantile, chi_square_survival, digamma, normal_cdf, log_normal_cdf, &
       & normal_quantile, ln_gamma
-   use expectations, only : test, error, check
+   use expectations, only : agree, test, error, check
    implicit none (type, external)
    private
    public :: suite_special
@@ -47,23 +47,6 @@ contains
          call check(error, abs(ln_gamma(x) - log_gamma(x)) <= 1.0e-15_dp*max(10.0_dp, abs(log_gamma(x))), "beside the intrinsic")
       end do
    end subroutine test_ln_gamma
-
-   !> Fails unless actual agrees with expected, relatively.
-   subroutine agree(actual, expected, allowed)
-      !> What came out
-      real(dp), intent(in) :: actual(:)
-      !> What should
-      real(dp), intent(in) :: expected(:)
-      !> Relative error allowed
-      real(dp), intent(in) :: allowed
-      character(80) :: text
-      integer :: i
-
-      do i = 1, size(expected)
-         write (text, '("number ", i0, ": ", es24.16e3, " is not ", es24.16e3)') i, actual(i), expected(i)
-         call check(error, abs(actual(i) - expected(i)) <= allowed*abs(expected(i)), text)
-      end do
-   end subroutine agree
 
    subroutine test_normal_cdf()
       call agree(normal_cdf([-37.5_dp, -20.0_dp, -5.0_dp, -1.0_dp, 0.5_dp, 3.0_dp, 8.0_dp, 0.0_dp]), &

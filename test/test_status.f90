@@ -1,32 +1,29 @@
 ! SPDX-License-Identifier: MIT
-!> Every status code of the library, and a call that gives it.
+!> The error type, whose codes are part of the C interface; every status code of the library, and a
+!> call that gives it.
 !>
 !> Two codes are not in the table: no procedure of the library gives `usage`, which is the program's for a wrong command line
 !> (test/cli/part_usage.sh), nor `internal`, with which it ends where its self-test fails (test/cli/part_selftest.sh).
 module test_status
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : gyro_error => error_type, status, status_texts
+   use gyroakf_error, only : gyro_error => error_type, status, status_texts, exit_code, &
+      & fatal_error
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    use gyroakf_filter_steady_gain, only : steady_state
    use gyroakf_io_reader, only : read_record, reader_options
    use gyroakf_pipeline, only : pipeline_options, pipeline_result_type, run_pipeline
-   use gyroakf_progress, only : progress_type
+   use progress_watch, only : watch_type
    use gyroakf_record, only : record_type
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record
    use scratch_file, only : remove_file, scratch_path, write_bytes
-   use expectations, only : failure => problem, test, error, check, went_wrong, check_refused
+   use expectations, only : failure => problem, test, error, check, went_wrong, check_refused, &
+      & problem
    implicit none (type, external)
    private
-   public :: suite_status
-
-   !> Ends every call
-   type, extends(progress_type) :: impatient_type
-   contains
-      procedure :: advance => end_it
-   end type impatient_type
+   public :: suite_status, suite_error
 
    !> The codes that the program alone gives
    integer, parameter :: of_the_program(2) = [status%internal, status%usage]
@@ -36,6 +33,13 @@ contains
    subroutine suite_status()
       call test("every_code", test_every_code)
    end subroutine suite_status
+
+   subroutine suite_error()
+      call test("codes", test_codes)
+      call test("texts", test_texts)
+      call test("exit_codes", test_exit_codes)
+      call test("fatal", test_fatal)
+   end subroutine suite_error
 
    subroutine test_every_code()
       integer :: code
@@ -137,21 +141,59 @@ contains
       type(simulate_options) :: options
       type(record_type) :: record
       type(pipeline_result_type) :: result
-      type(impatient_type) :: impatient
+      type(watch_type) :: watch
 
       if (code == status%no_memory) options%samples = 10_int64**15
       call simulate_record(options, record, failure)
       if (allocated(failure)) return
-      call run_pipeline(record, pipeline_options(), result, failure, impatient)
+      watch%last_call = 1
+      call run_pipeline(record, pipeline_options(), result, failure, watch)
    end subroutine provoke_job
 
-   subroutine end_it(self, stage, done, total, cancel)
-      class(impatient_type), intent(inout) :: self
-      character(*), intent(in) :: stage
-      integer(int64), intent(in) :: done, total
-      logical, intent(out) :: cancel
+   !> The codes never change.
+   subroutine test_codes()
+      integer :: codes(0:14), i
 
-      cancel = same_type_as(self, impatient_type()) .and. len(stage) > 0 .and. done <= max(done, total)
-   end subroutine end_it
+      codes = [status%ok, status%invalid_argument, status%too_few_samples, status%io, status%parse, &
+         & status%constant_input, status%singular, status%not_converged, status%unstable, &
+         & status%non_finite, status%no_memory, status%not_supported, status%cancelled, &
+         & status%internal, status%usage]
+      do i = lbound(codes, 1), ubound(codes, 1)
+         call check(error, codes(i), i, "code of a status changed")
+      end do
+   end subroutine test_codes
+
+   !> Every code has a text of its own.
+   subroutine test_texts()
+      integer :: i, j
+
+      call check(error, trim(status_texts(status%ok)), "ok")
+      do i = status%ok, status%usage
+         call check(error, status_texts(i) /= "", "a code has no text")
+         do j = status%ok, i - 1
+            call check(error, status_texts(i) /= status_texts(j), "two codes have one text: "//status_texts(i))
+         end do
+      end do
+      call check(error, ubound(status_texts, 1), status%usage)
+   end subroutine test_texts
+
+   !> 0 done, 1 usage, 2 data or file, 3 numerical.
+   subroutine test_exit_codes()
+      integer, parameter :: expected(0:14) = [0, 2, 2, 2, 2, 2, 3, 3, 3, 2, 2, 2, 2, 3, 1]
+      integer :: i
+
+      do i = lbound(expected, 1), ubound(expected, 1)
+         call check(error, exit_code(i), expected(i), "exit code for: "//trim(status_texts(i)))
+      end do
+   end subroutine test_exit_codes
+
+   !> The error holds what it was given, also when it replaces another one.
+   subroutine test_fatal()
+      if (went_wrong(problem, "an error from nowhere")) return
+      call fatal_error(problem, status%parse, "line 3: not a number")
+      call fatal_error(problem, status%io, "cannot open")
+      call check_refused(problem, status%io)
+      call check(error, problem%message, "cannot open")
+   end subroutine test_fatal
 
 end module test_status

@@ -35,7 +35,7 @@ contains
       call test("time-units-inferred", test_inferred)
    end subroutine suite_text
 
-   !> A text as bytes with a line feed and room behind it.
+   !> A text as bytes with line feeds behind it.
    function bytes_of(text) result(bytes)
       character(*), intent(in) :: text
       integer(int8) :: bytes(len(text) + 16)

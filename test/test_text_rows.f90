@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
-!> Rows of text read by several threads: the same as by one, and as line by line; files that change while they are read.
+!> Rows of text read by several threads: the same as by one, and as line by line; files that change
+!> while they are read; the store of their chunks.
 module test_text_rows
-   use expectations, only : unmet, failed => problem, test, error, check, check_refused, went_wrong
-   use gyroakf_threads, only : thread_count, set_thread_count
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
+   use expectations, only : unmet, failed => problem, test, error, check, check_refused, &
+      & went_wrong
+   use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_source, only : close_source
    use gyroakf_io_lines, only : line_of, lines_type, open_lines
-   use gyroakf_io_store, only : count_rows, store_type
+   use gyroakf_io_store, only : count_rows, store_type, add_chunk, take_columns
    use gyroakf_io_reader_options, only : reader_options
    use gyroakf_io_first_row, only : begin_table
    use gyroakf_io_table, only : table_type
@@ -16,7 +18,7 @@ module test_text_rows
    use scratch_file, only : remove_file, scratch_path, write_bytes
    implicit none (type, external)
    private
-   public :: suite_text_rows
+   public :: suite_text_rows, suite_store
 
    character(1), parameter :: nl = new_line("a")
    !> Kinds of lines, one of which is drawn for each line of [[odd_content]]
@@ -41,6 +43,11 @@ contains
       call test("file-that-grows", test_growing)
       call test("file-that-shrinks", test_shrinking)
    end subroutine suite_text_rows
+
+   subroutine suite_store()
+      call test("many-pages", test_pages)
+      call test("single-chunk", test_single)
+   end subroutine suite_store
 
    !> Many lines of every kind, in an order drawn by a generator; begins with a plain one.
    subroutine odd_content(lines, ending, content, kind)
@@ -161,9 +168,8 @@ contains
       call odd_content(300000, nl, content, kind)
       do threads = 1, 3
          call read_with(content, threads, table, failed)
-         call check(error, .not. allocated(failed))
-         if (.not. allocated(error)) call compare(table, kind)
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
+         call compare(table, kind)
       end do
    end subroutine test_every_kind
 
@@ -175,16 +181,15 @@ contains
 
       call odd_content(150000, achar(13), content, kind)
       call read_with(content, 2, table, failed)
-      call check(error, .not. allocated(failed))
-      if (.not. allocated(error)) call compare(table, kind)
-      if (allocated(error)) return
+      if (went_wrong(failed)) return
+      call compare(table, kind)
       call odd_content(150000, achar(13)//nl, content, kind)
       call read_with(content, 2, table, failed)
-      call check(error, .not. allocated(failed))
-      if (.not. allocated(error)) call compare(table, kind)
+      if (went_wrong(failed)) return
+      call compare(table, kind)
    end subroutine test_returns
 
-   !> Of several lines that cannot be read the first one is told, wherever the others are.
+   !> Of several lines that cannot be read the first one is reported, wherever the others are.
    subroutine test_first_problem()
       integer, parameter :: lines = 400000
       type(table_type) :: table
@@ -205,11 +210,11 @@ contains
    !> ":12:7" for line 12.
    pure function place(line) result(text)
       integer, intent(in) :: line
-      character(16) :: room
+      character(16) :: written
       character(:), allocatable :: text
 
-      write (room, "(a, i0, a)") ":", line, ":7"
-      text = trim(room)
+      write (written, "(a, i0, a)") ":", line, ":7"
+      text = trim(written)
    end function place
 
    !> A line that begins with a semicolon is a row without its first number where semicolons part the columns, else a comment.
@@ -223,10 +228,9 @@ contains
 
       do i = 1, size(content)
          call read_with(trim(content(i)), 1, table, failed)
-         call check(error, .not. allocated(failed))
-         if (.not. allocated(error)) call check(error, count_rows(table%store), rows(i), trim(content(i)))
-         if (.not. allocated(error)) call check(error, same(stored(table, rows(i), 2), 6.0_dp))
-         if (allocated(error)) return
+         if (went_wrong(failed)) return
+         if (unmet(count_rows(table%store), rows(i), trim(content(i)))) return
+         call check(error, same(stored(table, rows(i), 2), 6.0_dp))
          if (short(i) == 0) cycle
          call check(error, same(stored(table, short(i), 1), gone) .and. same(stored(table, short(i), 2), 4.0_dp), trim(content(i)))
       end do
@@ -347,5 +351,57 @@ contains
       call check_refused(failed, status%io)
       call check(error, index(failed%message, ": the file became shorter while it was read: 1600000 of 2400000 bytes") > 0)
    end subroutine test_shrinking
+
+   !> Appends a chunk of three columns, k, -k and k + 0.5 in row k of the store; some rows stay free.
+   subroutine fill_chunk(store, rows)
+      type(store_type), intent(inout) :: store
+      integer(int64), intent(in) :: rows
+      integer(int64) :: before, i
+      integer :: failed
+
+      before = count_rows(store)
+      call add_chunk(store, rows + 3, 3, failed)
+      if (failed /= 0) return
+      associate (chunk => store%chunk(store%count))
+         do i = 1, rows
+            chunk%value(i, :) = real(before + i, dp)*[1.0_dp, -1.0_dp, 1.0_dp] + [0.0_dp, 0.0_dp, 0.5_dp]
+         end do
+         chunk%rows = rows
+      end associate
+   end subroutine fill_chunk
+
+   !> Chunks of several large pages, and smaller ones; a column that is wanted twice, and one that is the time, too.
+   subroutine test_pages()
+      type(store_type) :: store
+      real(dp), allocatable :: value(:, :), stamps(:)
+      integer(int64) :: i, n
+      integer :: failed
+
+      call fill_chunk(store, 700001_int64)
+      call fill_chunk(store, 5_int64)
+      call fill_chunk(store, 262144_int64)
+      n = count_rows(store)
+      call take_columns(store, 2, [3, 1, 2, 3], value, stamps, failed)
+      call check(error, failed == 0 .and. count_rows(store) == 0 .and. n == 962150)
+      if (unmet(all(shape(value, int64) == [n, 4_int64]) .and. size(stamps, kind=int64) == n)) return
+      do i = 1, n
+         if (all(abs(value(i, :) - real(i, dp)*[1.0_dp, 1.0_dp, -1.0_dp, 1.0_dp] - [0.5_dp, 0.0_dp, 0.0_dp, 0.5_dp]) <= 0.0_dp) &
+             .and. abs(stamps(i) + real(i, dp)) <= 0.0_dp) cycle
+         call check(error, .false., "a row is not what it was")
+         return
+      end do
+   end subroutine test_pages
+
+   !> A chunk that is not full is copied, too.
+   subroutine test_single()
+      type(store_type) :: store
+      real(dp), allocatable :: value(:, :), stamps(:)
+      integer :: failed
+
+      call fill_chunk(store, 4_int64)
+      call take_columns(store, 0, [2], value, stamps, failed)
+      if (unmet(failed == 0 .and. size(value) == 4 .and. size(stamps) == 0)) return
+      call check(error, all(abs(value(:, 1) + [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp]) <= 0.0_dp))
+   end subroutine test_single
 
 end module test_text_rows

@@ -50,7 +50,6 @@ contains
 
    !> A polynomial of degree d about 1e6, at some samples; d = 0 .. 9.
    pure real(dp) function polynomial(d, i, n) result(p)
-      !> Degree
       integer, intent(in) :: d
       !> Sample, 0-based, and length
       integer(int64), intent(in) :: i, n

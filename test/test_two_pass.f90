@@ -4,7 +4,7 @@ module test_two_pass
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_progress, only : progress_type
+   use progress_watch, only : watch_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_kalman, only : filter_options
    use gyroakf_filter_smoother, only : smooth_drift
@@ -18,14 +18,6 @@ module test_two_pass
    !> Samples of the series
    integer, parameter :: n = 12000
 
-   !> Keeps where it was, and ends the call there
-   type, extends(progress_type) :: counting_type
-      integer(int64) :: ends = huge(1_int64), last = 0, total = 0
-      logical :: ordered = .true.
-   contains
-      procedure :: advance => count_calls
-   end type counting_type
-
 contains
 
    subroutine suite_two_pass()
@@ -36,7 +28,7 @@ contains
       call test("short_record", test_short)
       call test("both_directions_alike", test_reversed)
       call test("random_walk_with_steps", test_steps)
-      call test("told_and_cancelled", test_progress)
+      call test("progress", test_progress)
       call test("refused", test_refused)
    end subroutine suite_two_pass
 
@@ -214,36 +206,25 @@ contains
       call check(error, norm2(x - drift) <= 1.03_dp*norm2(y - drift), "steps are gated away")
    end subroutine test_steps
 
-   !> The caller is told, in order, and may end it
+   !> Progress is reported in order, and the call can be cancelled
    subroutine test_progress()
-      type(counting_type) :: caller
+      type(watch_type) :: watch
       real(dp), allocatable :: z(:), x(:)
       integer(int64) :: i
 
       allocate (z(800000), x(800000))
       call fill_noise(14, z)
       z = 0.02_dp*z
-      call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
-      if (unmet(.not. allocated(failure) .and. caller%last > 0, "nobody is told")) return
+      call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=watch)
+      if (unmet(.not. allocated(failure) .and. watch%done > 0, "no progress was reported")) return
       do i = 1, 3
-         caller = counting_type(ends=i*250000)
-         call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, progress=caller)
-         if (unmet(allocated(failure) .and. caller%ordered, "the call is not ended")) return
+         watch = watch_type(last_done=i*250000)
+         call smooth_adaptive(usual_model(), [.true.], usual_options(z), z, x, failure, &
+                              progress=watch)
+         if (unmet(allocated(failure) .and. watch%ordered, "the call is not ended")) return
          call check(error, failure%code, status%cancelled)
       end do
    end subroutine test_progress
-
-   !> Ends the first stage at a sample.
-   subroutine count_calls(self, stage, done, total, cancel)
-      class(counting_type), intent(inout) :: self
-      character(*), intent(in) :: stage
-      integer(int64), intent(in) :: done, total
-      logical, intent(out) :: cancel
-
-      if (stage == "weighing the samples") self%ordered = self%ordered .and. done >= self%last .and. done <= total
-      self%last = done
-      cancel = stage == "weighing the samples" .and. done >= self%ends
-   end subroutine count_calls
 
    !> What the filter and the smoother refuse
    subroutine test_refused()

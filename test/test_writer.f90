@@ -1,31 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> Files that appear whole or not at all.
 module test_writer
-   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
    use expectations, only : unmet, test, error, check, check_refused, went_wrong
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : gyro_error => error_type, status
    use gyroakf_io_source, only : is_directory
    use gyroakf_io_writer, only : writer_type, open_writer, put, put_line, put_real, complete_writer, commit_writer, &
       discard_writer, make_directory
-   use json_reader, only : file_text
-   use scratch_file, only : scratch_path
+   use scratch_file, only : file_exists, read_bytes, remove_file, remove_folder, scratch_path, write_bytes
    implicit none (type, external)
    private
    public :: suite_writer
 
    character(*), parameter :: path = "test_writer_scratch.tmp"
    character(1), parameter :: lf = new_line("a")
-
-   interface
-      function c_rmdir(path) result(failed) bind(C, name="rmdir")
-         import :: c_char, c_int
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: failed
-      end function c_rmdir
-
-   end interface
 
 contains
 
@@ -52,42 +40,27 @@ contains
       call put_line(writer, line)
    end subroutine begin
 
-   subroutine remove(name)
-      character(*), intent(in) :: name
-      integer :: unit
-
-      open (newunit=unit, file=name)
-      close (unit, status="delete")
-   end subroutine remove
-
-   logical function exists(name)
-      character(*), intent(in) :: name
-
-      inquire (file=name, exist=exists)
-   end function exists
-
    !> What a killed process left of the same file goes when it is begun again; not what may be another's: a process that is there
    !> (the first of the system), no process's number, another file's.
    subroutine test_leftovers()
       character(*), parameter :: no_process = ".part2147483646"
       type(writer_type) :: writer
-      integer :: unit, i
+      integer :: i
       logical :: left(6)
 
       associate (name => [character(48) :: path//no_process, path//".part1", path//".part21474836x", path//".part", &
                           "a_"//path//no_process, path(:len(path) - 1)//"_"//no_process])
          do i = 1, size(name)
-            open (newunit=unit, file=trim(name(i)), status="replace")
-            close (unit)
+            call write_bytes(trim(name(i)), "")
          end do
          call begin(writer, "done")
          do i = 1, size(name)
-            left(i) = exists(trim(name(i)))
+            left(i) = file_exists(trim(name(i)))
          end do
-         call check(error, exists(writer%aside), "its own part is gone")
+         call check(error, file_exists(writer%aside), "its own part is gone")
          call discard_writer(writer)
          do i = 1, size(name)
-            call remove(trim(name(i)))
+            call remove_file(trim(name(i)))
          end do
       end associate
       if (allocated(error)) return
@@ -100,14 +73,14 @@ contains
       type(gyro_error), allocatable :: failed
 
       call begin(writer, "one")
-      call check(error, .not. exists(path) .and. exists(writer%aside))
+      call check(error, .not. file_exists(path) .and. file_exists(writer%aside))
       call commit_writer(writer, failed)
-      if (unmet(.not. allocated(failed) .and. .not. exists(writer%aside))) return
-      call check(error, file_text(path), "one"//lf)
+      if (unmet(.not. allocated(failed) .and. .not. file_exists(writer%aside))) return
+      call check(error, read_bytes(path), "one"//lf)
       call commit_writer(writer, failed)
       call discard_writer(writer)
-      call check(error, .not. allocated(failed) .and. exists(path))
-      call remove(path)
+      call check(error, .not. allocated(failed) .and. file_exists(path))
+      call remove_file(path)
    end subroutine test_commit
 
    !> The file of an earlier run stays.
@@ -119,9 +92,9 @@ contains
       call commit_writer(writer, failed)
       call begin(writer, "new")
       call discard_writer(writer)
-      call check(error, file_text(path), "old"//lf)
-      call check(error, .not. exists(writer%aside))
-      call remove(path)
+      call check(error, read_bytes(path), "old"//lf)
+      call check(error, .not. file_exists(writer%aside))
+      call remove_file(path)
    end subroutine test_discard
 
    !> Complete, but not there before the commit; a completed file can still be given up.
@@ -131,15 +104,15 @@ contains
 
       call begin(writer, "one")
       call complete_writer(writer, failed)
-      if (unmet(.not. allocated(failed) .and. .not. exists(path))) return
-      call check(error, file_text(writer%aside), "one"//lf)
+      if (unmet(.not. allocated(failed) .and. .not. file_exists(path))) return
+      call check(error, read_bytes(writer%aside), "one"//lf)
       call discard_writer(writer)
-      call check(error, .not. exists(writer%aside) .and. .not. exists(path))
+      call check(error, .not. file_exists(writer%aside) .and. .not. file_exists(path))
       call begin(writer, "two")
       call complete_writer(writer, failed)
       call commit_writer(writer, failed)
-      call check(error, file_text(path), "two"//lf)
-      call remove(path)
+      call check(error, read_bytes(path), "two"//lf)
+      call remove_file(path)
    end subroutine test_complete
 
    !> Longer than the buffer, in one piece and in many.
@@ -154,9 +127,9 @@ contains
          call put(writer, "ab")
       end do
       call commit_writer(writer, failed)
-      text = file_text(path)
+      text = read_bytes(path)
       call check(error, text == repeat("x", 200000)//lf//repeat("ab", 40000))
-      call remove(path)
+      call remove_file(path)
    end subroutine test_long
 
    subroutine test_numbers()
@@ -169,8 +142,8 @@ contains
          call put_real(writer, 0.25_dp, 15)
       end do
       call commit_writer(writer, failed)
-      call check(error, file_text(path) == repeat("0.25", 20000))
-      call remove(path)
+      call check(error, read_bytes(path) == repeat("0.25", 20000))
+      call remove_file(path)
    end subroutine test_numbers
 
    !> A write that fails is reported when the file is completed.
@@ -178,7 +151,7 @@ contains
       type(writer_type) :: writer
       type(gyro_error), allocatable :: failed
 
-      if (.not. exists("/dev/full")) return
+      if (.not. file_exists("/dev/full")) return
       call open_writer(writer, "/dev/full", failed)
       call put_line(writer, "one")
       call complete_writer(writer, failed)
@@ -215,16 +188,15 @@ contains
    subroutine test_make_directory()
       type(gyro_error), allocatable :: failed
       character(:), allocatable :: place
-      integer(c_int) :: ignored
 
       place = scratch_path("directory")
       call make_directory(place//"/a/b/", failed)
       if (unmet(is_directory(place//"/a/b") .and. .not. allocated(failed), "not made")) return
       call make_directory(place//"/a", failed)
       if (went_wrong(failed, "there already")) return
-      ignored = c_rmdir(place//"/a/b"//c_null_char)
-      ignored = c_rmdir(place//"/a"//c_null_char)
-      ignored = c_rmdir(place//c_null_char)
+      call remove_folder(place//"/a/b")
+      call remove_folder(place//"/a")
+      call remove_folder(place)
       call make_directory("/dev/null/a", failed)
       call check(error, allocated(failed), "accepted")
    end subroutine test_make_directory

@@ -1,21 +1,46 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of gyroakf_io_machine_memory.
-module test_machine_memory
+!> The number of threads, with and without OpenMP, and the memory of the machine.
+module test_machine
+   use gyroakf_threads, only : set_thread_count, thread_count
    use expectations, only : test, error, check
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_machine_memory, only : free_memory, least_limit, memory_of, no_limit
    use scratch_file, only : remove_file, scratch_path
    implicit none (type, external)
    private
-   public :: suite_machine_memory
+   public :: suite_threads, suite_machine_memory
 
 contains
+
+   subroutine suite_threads()
+      call test("count", test_count)
+   end subroutine suite_threads
 
    subroutine suite_machine_memory()
       call test("line", test_line)
       call test("limits", test_limits)
       call test("here", test_here)
    end subroutine suite_machine_memory
+
+   !> A parallel region has as many threads as were set; an impossible number is not set.
+   subroutine test_count()
+      integer :: before, threads, set
+
+      before = thread_count()
+      call check(error, before >= 1, "no thread")
+      call set_thread_count(3)
+      set = thread_count()
+      threads = 0
+      !$omp parallel reduction(+:threads)
+      threads = threads + 1
+      !$omp end parallel
+      call set_thread_count(0)
+      call check(error, thread_count(), set)
+      call set_thread_count(before)
+      if (allocated(error)) return
+      call check(error, threads, set, "threads of a parallel region")
+      !$ call check(error, set, 3, "threads that were asked for")
+   end subroutine test_count
 
    !> Writes a file of one text.
    subroutine write_text(name, text)
@@ -60,4 +85,4 @@ contains
       call check(error, bytes == 0 .or. (bytes > 1000000_int64 .and. bytes < 10_int64**18))
    end subroutine test_here
 
-end module test_machine_memory
+end module test_machine
