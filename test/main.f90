@@ -27,7 +27,6 @@ program test_main
    use test_audit, only : suite_audit
    use test_auto_outliers, only : suite_auto_outliers
    use test_cadence, only : suite_cadence
-   use test_report_models, only : suite_report_models
    use test_resample, only : suite_resample
    use test_autocovariance, only : suite_autocovariance
    use test_burg, only : suite_burg
@@ -84,6 +83,7 @@ program test_main
    use test_record_writer, only : suite_record_writer
    use test_release, only : suite_release
    use test_report, only : suite_report
+   use test_schema, only : suite_schema
    use test_sage_husa, only : suite_sage_husa
    use test_selftest, only : suite_selftest
    use test_simulate, only : suite_simulate
@@ -132,7 +132,6 @@ program test_main
    call add("audit", suite_audit)
    call add("auto_outliers", suite_auto_outliers)
    call add("cadence", suite_cadence)
-   call add("report_models", suite_report_models)
    call add("resample", suite_resample)
    call add("autocovariance", suite_autocovariance)
    call add("burg", suite_burg)
@@ -189,6 +188,7 @@ program test_main
    call add("record_writer", suite_record_writer)
    call add("release", suite_release)
    call add("report", suite_report)
+   call add("schema", suite_schema)
    call add("sage_husa", suite_sage_husa)
    call add("selftest", suite_selftest)
    call add("simulate", suite_simulate)

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Reports: layout, what they say, the document against its schema, tables for other programs.
+!> Reports: layout, what they say, the document, tables for other programs.
 module test_report
    use expectations, only : failed => problem, test, error, check
    use gyroakf_kinds, only : dp, int64
@@ -16,7 +16,7 @@ module test_report
    use gyroakf_report_document, only : write_document
    use gyroakf_report_csv, only : write_series, series_output_type
    use gyroakf_report_csv_tables, only : write_table
-   use json_reader, only : json_item, read_json, json_text_at, json_real, check_schema, file_text
+   use json_reader, only : json_item, read_json, json_text_at, json_real
    use report_fixture, only : make_record, make_result, fill_drift, begin_text, end_text
    implicit none (type, external)
    private
@@ -41,11 +41,9 @@ contains
       call test("drift", test_drift)
       call test("halves", test_halves)
       call test("single-commands", test_single_commands)
-      call test("document-schema", test_document_schema)
-      call test("document-inspect", test_document_inspect)
+      call test("truth", test_truth)
       call test("document-empty-rooms", test_document_empty)
       call test("document-values", test_document_values)
-      call test("schema-can-fail", test_schema_can_fail)
       call test("csv", test_csv)
       call test("mixed-units", test_mixed_units)
       call test("csv-channels", test_csv_channels)
@@ -362,23 +360,6 @@ contains
       call read_json(text, items, valid)
    end subroutine document
 
-   !> The document agrees with doc/schema.json: types, and no key more or less.
-   subroutine check_document(record, result)
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in), optional :: result
-      type(json_item), allocatable :: items(:), schema(:)
-      character(:), allocatable :: wrong
-      logical :: valid
-
-      call read_json(file_text("doc/schema.json"), schema, valid)
-      call check(error, valid, "doc/schema.json is read from the root of the repository")
-      call document(record, items, valid, result)
-      call check(error, valid, "the document is no JSON")
-      wrong = ""
-      call check_schema(schema, "", items, "", wrong)
-      call check(error, wrong, "")
-   end subroutine check_document
-
    !> The command line as it was typed; null in documents of the library.
    subroutine test_command_line()
       type(record_type) :: record
@@ -396,22 +377,6 @@ contains
       call read_json(text, items, valid)
       call check(error, json_text_at(items, "/command_line"), '"gyroakf inspect '//"'a b'"//'\u000a"')
    end subroutine test_command_line
-
-   subroutine test_document_schema()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-
-      call make_record(record, .true.)
-      call make_result(record, result)
-      call check_document(record, result)
-      call make_record(record, .false.)
-      call fill_drift(record, result%channel(1))
-      call check_document(record, result)
-      result%channel(1)%drift%found = .false.
-      result%channel(1)%drift%errors_known = .false.
-      result%channel(1)%available%drift_smoother = .false.
-      call check_document(record, result)
-   end subroutine test_document_schema
 
    !> The drift in words, beside the paper's filters; found and not found.
    subroutine test_drift()
@@ -457,24 +422,43 @@ contains
                  index(flat, "there is nothing that a filter could follow") > 0, flat)
    end subroutine test_drift
 
-   subroutine test_document_inspect()
-      type(record_type) :: record
-
-      call make_record(record, .true.)
-      call check_document(record)
-   end subroutine test_document_inspect
-
    !> A channel of which nothing could be computed.
    subroutine test_document_empty()
       type(record_type) :: record
       type(pipeline_result_type) :: result
+      type(json_item), allocatable :: items(:)
+      logical :: valid
 
       call make_record(record, .false.)
       allocate (result%channel(1))
       allocate (result%channel(1)%allan(6))
       result%channel(1)%name = "gx"
-      call check_document(record, result)
+      call document(record, items, valid, result)
+      call check(error, valid .and. json_text_at(items, "/channels/0/drift") == "null")
    end subroutine test_document_empty
+
+   !> RMSE of two filters, in the report and in the document; nothing and null where the true drift is not known.
+   subroutine test_truth()
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
+      type(json_item), allocatable :: items(:)
+      character(:), allocatable :: text, flat
+      logical :: valid
+
+      call run_text("run", .true., text)
+      call check(error, index(text, "RMSE") == 0, "a truth that is not known")
+      call make_record(record, .true.)
+      call make_result(record, result)
+      result%channel(1)%kf_figures%rmse = 0.0625_dp
+      result%channel(1)%kf_figures%rmse_samples = 11
+      result%channel(1)%drift_smoother_figures%rmse_samples = 12
+      call report_of("run", record, result, text)
+      call unwrap(text, flat)
+      call check(error, index(flat, " samples 0.0625") > 0, flat)
+      call document(record, items, valid, result)
+      call check(error, json_real(items, "/channels/0/filters/kf/rmse"), 0.0625_dp, thr=1.0e-14_dp, rel=.true.)
+      call check(error, json_text_at(items, "/channels/0/filters/akf/rmse"), "null")
+   end subroutine test_truth
 
    subroutine test_document_values()
       type(record_type) :: record
@@ -505,28 +489,6 @@ contains
                  json_text_at(items, c//"/coefficients/akf/R/value")//json_text_at(items, &
                  c//"/allan/compensated"), "nullnullnull")
    end subroutine test_document_values
-
-   !> The comparison sees a missing key, a key too many and a wrong type.
-   subroutine test_schema_can_fail()
-      character(*), parameter :: schema_text = '{"type":"object","properties":{"a":{"type":["integer","null"]}}}'
-      character(9), parameter :: wrong_text(4) = [character(9) :: "{}", '{"a":1.5}', '{"b":1}', '{"a":"x"}']
-      type(json_item), allocatable :: schema(:), items(:)
-      character(:), allocatable :: wrong
-      logical :: valid
-      integer :: i
-
-      call read_json(schema_text, schema, valid)
-      do i = 1, 4
-         call read_json(trim(wrong_text(i)), items, valid)
-         wrong = ""
-         call check_schema(schema, "", items, "", wrong)
-         call check(error, valid .and. len(wrong) > 0, wrong_text(i))
-      end do
-      call read_json('{"a":null}', items, valid)
-      wrong = ""
-      call check_schema(schema, "", items, "", wrong)
-      call check(error, wrong, "")
-   end subroutine test_schema_can_fail
 
    subroutine test_csv()
       type(writer_type) :: writer

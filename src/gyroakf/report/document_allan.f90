@@ -2,7 +2,6 @@
 !> Allan deviations and noise coefficients of a channel, described: coefficients in the stated unit,
 !> in SI, with what they are the coefficients of.
 module gyroakf_report_document_allan
-   use gyroakf_kinds, only : dp
    use gyroakf_units, only : term_names
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_type
@@ -78,7 +77,7 @@ contains
       call out%put("lower", curve%lower)
       call out%put("upper", curve%upper)
       call out%put("edf", curve%edf)
-      call out%put("terms", real(curve%terms, dp))
+      call out%put("terms", curve%terms)
    end subroutine put_curve
 
    !> "coefficients".

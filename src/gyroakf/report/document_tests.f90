@@ -122,8 +122,7 @@ contains
       call out%put("wanted_lags", adf%wanted_lags, shown=.false.)
       call out%put("level", adf%level)
       call out%put("noise_variance", adf%noise_variance)
-      if (allocated(adf%table)) then
-         call out%open("table", "Regression", list=.true.)
+      if (out%opens("table", allocated(adf%table), "Regression", list=.true.)) then
          do i = 1, size(adf%table)
             call out%open("")
             call out%put("name", trim(adf%table(i)%name), title="coefficient")
@@ -133,8 +132,6 @@ contains
             call out%close()
          end do
          call out%close()
-      else
-         call out%put("table")
       end if
       call out%close()
    end subroutine put_adf
