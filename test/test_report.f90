@@ -7,9 +7,7 @@ module test_report
    use gyroakf_units, only : unit_type, parse_unit
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
-   use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, &
-         plural, &
-      rounded
+   use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural, rounded
    use gyroakf_report_text_table, only : add_row, table_type, new_table, put_table
    use gyroakf_utf8, only : text_width
    use gyroakf_report_text_report, only : write_report, report_inspect
@@ -126,8 +124,7 @@ contains
 
    !> What was read, removed, tested, and what to make of it.
    subroutine test_run()
-      character(130), parameter :: fragments(16) = [character(130) :: "12 in 1 channel: gx", &
-            "5 Hz (as the file says); 2.4 s", &
+      character(130), parameter :: fragments(16) = [character(130) :: "12 in 1 channel: gx", "5 Hz (as the file says); 2.4 s", &
          "deg/s (as the option says)", "the stamps show 5.2 Hz", &
          "Outliers method auto, threshold 4.27 sigma, passes 2, removed 1,", &
          "coefficients of i^0, i^1, ... 0.0043 -2e-06", "Verdict stationary, flicker reasons a reason", &
@@ -136,9 +133,7 @@ contains
          "p = 0.067, distance", "samples 5994, stride 2", &
          "quantized, step 0.0114, step over std 0.5, variance share 0.0208, levels 17", &
          "Ljung-Box not white: statistic 2030.00, p < 1e-20, lags 20, largest |rho| 0.41, at lag 3", &
-         "The model predicts 16.8 % of the variance", &
-         "2.5 % of the samples (3) were removed", &
-         "drift identification: too few"]
+         "The model predicts 16.8 % of the variance", "2.5 % of the samples (3) were removed", "drift identification: too few"]
       character(:), allocatable :: text, flat
       integer :: i
 
@@ -152,8 +147,7 @@ contains
       call unwrap(text, flat)
       call check(error, index(flat, "ADF unit root rejected at 5 %: statistic -71.5, p") > 0 &
             .and. index(flat, "KPSS level stationarity rejected at 5 %: statistic 0.84, p < 0.01, ") > 0 &
-                 .and. index(flat, "p asymptotic 0.0058") > 0 &
-                 .and. index(flat, "5% 0.463, 10% 0.347), long") > 0, flat)
+                 .and. index(flat, "p asymptotic 0.0058") > 0 .and. index(flat, "5% 0.463, 10% 0.347), long") > 0, flat)
    end subroutine test_run
 
    !> Line ends and rows of blanks become one blank.
@@ -185,8 +179,7 @@ contains
          "  KF (paper)  0.000e+00 1.4908e-04 28.4 % 0.48 0.6072 0.750   0.2 colored", &
          "  AKF (paper) 0.000e+00 2.0000e-05  3.8 % 0.48 0.2100 0.750   0.2 colored", &
          "             arcsec  deg/sqrt(h)    deg/h  deg/h^1.5  deg/h^2", &
-         "  raw        < 10.8        0.948     14.4      < 648        -", &
-         "                       +/- 0.012  +/- 3.6", &
+         "  raw        < 10.8        0.948     14.4      < 648        -", "                       +/- 0.012  +/- 3.6", &
          "  AKF        < 2.16       0.1896   < 2.16      < 130        -", &
          "  reduction       -         80 %   > 85 %          -        -"]
       character(:), allocatable :: text
@@ -202,8 +195,7 @@ contains
    subroutine test_answer()
       character(100), parameter :: lines(3) = [character(100) :: &
          "      deg/s      deg/sqrt(h)         deg/h  deg/h^1.5    deg/h       s", &
-         "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6      < 648       18     100", &
-         "  Noise           stationary, flicker"]
+         "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6      < 648       18     100", "  Noise           stationary, flicker"]
       character(:), allocatable :: text
       integer :: i
 
@@ -224,8 +216,7 @@ contains
       character(100), parameter :: fragments(7) = [character(100) :: &
          "  Record          data/gyro.txt: 12 samples, 5 Hz", "  gx  0.001  0.948 +/- 0.012  14.4 +/- 3.6", &
          "  gz  0.001  0.948 +/- 0.012  14.4 +/- 3.6", "against tau in s: x gx, z gz", &
-         "  Warning         gx, gz: of both", "  Warning         gz: of one", &
-         "  Note            the paper's filters pass"]
+         "  Warning         gx, gz: of both", "  Warning         gz: of one", "  Note            the paper's filters pass"]
       character(:), allocatable :: text
       type(writer_type) :: writer
       type(record_type) :: record
@@ -243,12 +234,10 @@ contains
       call add_text(result%channel(2)%warnings, "of one")
       do i = 1, size(commands)
          call begin_text(writer)
-         call write_report(writer, trim(commands(i)), record, pipeline_options(), result, commands(i) == "run", &
-                           .false.)
+         call write_report(writer, trim(commands(i)), record, pipeline_options(), result, commands(i) == "run", .false.)
          call end_text(writer, text)
          lines = count([(text(lines:lines) == lf, lines=1, len(text))])
-         call check(error, lines < 60 .and. longest_line(text) <= report_width &
-               .and. index(text, "Channel gx") == 0, text)
+         call check(error, lines < 60 .and. longest_line(text) <= report_width .and. index(text, "Channel gx") == 0, text)
          if (i == 1) then
             do lines = 1, size(fragments)
                call check(error, index(text, trim(fragments(lines))) > 0, trim(fragments(lines))//": "//text)
@@ -265,8 +254,7 @@ contains
       call run_text("run", .true., wrapped)
       call unwrap(wrapped, text)
       call check(error, index(text, "Fisher's g slow changes stand out, less than 5 periods in the record: drift, &
-            &not a period: statistic 0.3, p = 0.004, frequency 1.25 Hz, &
-            applied to the residuals of AR(1)") > 0)
+            &not a period: statistic 0.3, p = 0.004, frequency 1.25 Hz, applied to the residuals of AR(1)") > 0)
       call check(error, index(text, "segment samples 4, segments 4, segments left out 1, ") > 0 .and. &
                  index(text, "resolution 1.25 Hz") > 0)
    end subroutine test_periodicity_text
@@ -277,8 +265,7 @@ contains
 
       call run_text("run", .false., text)
       call unwrap(text, flat)
-      call check(error, index(flat, "--rate HZ (or --dt S) gives") > 0 .and. &
-                 index(flat, "--unit deg/s (or") > 0)
+      call check(error, index(flat, "--rate HZ (or --dt S) gives") > 0 .and. index(flat, "--unit deg/s (or") > 0)
       call check(error, index(text, "input unit     input unit  input unit") > 0 .and. &
                  index(text, "*sqrt(sample)") > 0 .and. index(text, "0.0158") > 0)
       call check(error, index(text, "deg/sqrt(h) ") == 0 .and. index(text, "deg/s/sqrt(Hz)") == 0)
@@ -340,8 +327,7 @@ contains
       call unwrap(text, flat)
       call check(error, index(flat, "steps at a bound 7") > 0)
       call check(error, index(flat, "N = 0.948 +/- 0.012 deg/sqrt(h), SI: ") > 0 &
-            .and. index(flat, "K < 648 deg/h^1.5, SI: < ") > 0, &
-                 flat)
+            .and. index(flat, "K < 648 deg/h^1.5, SI: < ") > 0, flat)
       call check(error, index(flat, "minimum 18, at tau = 100 s") > 0, flat)
    end subroutine test_single_commands
 
@@ -380,16 +366,12 @@ contains
 
    !> The drift in words, beside the paper's filters; found and not found.
    subroutine test_drift()
-      character(110), parameter :: fragments(16) = [character(110) :: &
-         "no outliers 4.300e-03 5.5000e-04  100 %", &
+      character(110), parameter :: fragments(16) = [character(110) :: "no outliers 4.300e-03 5.5000e-04  100 %", &
          "drift KF 0.000e+00 1.0000e-05  1.8 % 0.48 1.0000 0.750   0.2 colored", &
-         "smoother 0.000e+00 1.2000e-05  1.8 %      1.0000", &
-         "compensated 1.000e-06 5.3800e-04 97.8 %      0.0000", &
-         "(95 % of such filters within 0.980 to 1.020)", &
-         "a rotation passes into it: estimate it at rest, only predict it", &
+         "smoother 0.000e+00 1.2000e-05  1.8 %      1.0000", "compensated 1.000e-06 5.3800e-04 97.8 %      0.0000", &
+         "(95 % of such filters within 0.980 to 1.020)", "a rotation passes into it: estimate it at rest, only predict it", &
          "In-sample: the drift was taken from the same record", "forgetting 0.98, adapts R", &
-         "Drift model found, of processes slower than 1 s, model ", &
-         "kind ar1, not drift, correlation time 0.224 +/- 0.012 s", &
+         "Drift model found, of processes slower than 1 s, model ", "kind ar1, not drift, correlation time 0.224 +/- 0.012 s", &
          "kind walk, drift, standard deviation 1e-05, K 4.8 +/- 1.2 deg/h^1.5", &
          "white noise 0.0050 +/- 0.0021", "maximum likelihood from 12 samples", &
          "model walk+ar1, chosen, parameters ", "AIC -58726.91, BIC -58697.34", &
@@ -474,12 +456,10 @@ contains
       call check(error, json_text_at(items, "/input/warnings/1"), &
                  '"gx: 2.5 % of the samples (3) were removed as outliers, at 0.2, 0.4 s"')
       call check(error, json_real(items, c//"/preprocess/trend/coefficients/3"), 1.25e-14_dp)
-      call check(error, json_text_at(items, c//"/filters/kf/forgetting")//json_text_at(items, &
-            c//"/filters/akf/estimate/1"), &
+      call check(error, json_text_at(items, c//"/filters/kf/forgetting")//json_text_at(items, c//"/filters/akf/estimate/1"), &
                  'null"R"')
       call check(error, json_real(items, c//"/coefficients/akf/N/value"), 0.1896_dp, thr=1.0e-12_dp)
-      call check(error, json_real(items, c//"/coefficients/akf/N/value_si")*10800, 0.1896_dp*acos(-1.0_dp), &
-            thr=1.0e-12_dp)
+      call check(error, json_real(items, c//"/coefficients/akf/N/value_si")*10800, 0.1896_dp*acos(-1.0_dp), thr=1.0e-12_dp)
       call check(error, json_real(items, c//"/coefficients/akf/density/one_sided/value"), &
             0.00316_dp*sqrt(2.0_dp), thr=1.0e-15_dp)
       call check(error, json_real(items, c//"/coefficients/reduction_percent/N"), 80.0_dp, thr=1.0e-9_dp)

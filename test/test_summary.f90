@@ -6,8 +6,7 @@ module test_summary
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type
-   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, write_summary_json, &
-      & write_summary_table
+   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, write_summary_json, write_summary_table
    use gyroakf_utf8, only : text_width
    use json_reader, only : json_at, json_item, json_real, json_text_at, read_json
    use report_fixture, only : begin_text, end_text, make_record, make_result

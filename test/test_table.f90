@@ -4,9 +4,8 @@ module test_table
    use expectations, only : test, error, check
    use gyroakf_io_writer, only : writer_type
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, report_width
-   use gyroakf_report_sign, only : to_unicode
-   use gyroakf_report_text_table, only : add_cell, add_row, cell_line, new_table, put_table, &
-      table_type
+   use gyroakf_report_number_text, only : to_unicode
+   use gyroakf_report_text_table, only : add_cell, add_row, cell_line, new_table, put_table, table_type
    use report_fixture, only : begin_text, end_text
    implicit none (type, external)
    private
@@ -62,8 +61,7 @@ contains
       call put_paragraph(writer, repeat("x", 72)//" 1 +/- 2")
       call end_text(writer, text)
       call check(error, text, "           σ²"//lf//"  gx  1 ± 0.1"//lf//"        sigma^2"//lf//"  gx  1 +/- 0.1"//lf// &
-                 lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf// &
-                 "  "//repeat("x", 72)//" 1 ± 2"//lf)
+                 lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf//"  "//repeat("x", 72)//" 1 ± 2"//lf)
    end subroutine test_layout
 
    !> Bold headings, a yellow warning, a red failure; without colours no byte of them.

@@ -5,8 +5,7 @@ module test_tables
    use gyroakf_record, only : record_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_report_text_table, only : table_type
-   use gyroakf_report_tables, only : make_ar_table, make_comparison, make_filter_table, &
-      make_tests_table
+   use gyroakf_report_tables, only : make_ar_table, make_comparison, make_filter_table, make_tests_table
    use report_fixture, only : fill_drift, make_record, make_result
    implicit none (type, external)
    private

@@ -25,8 +25,7 @@ module gyroakf_report_csv
 
    !> Columns of a channel in series.csv
    character(11), parameter :: series_names(8) = [character(11) :: "raw", "cleaned", "kf", "akf", &
-                                                  "drift", "compensated", &
-                                                  "drift_kf", "drift_akf"]
+      "drift", "compensated", "drift_kf", "drift_akf"]
 
    !> Enough for every number of a file that was written with 15 digits
    integer, parameter :: digits = 15
@@ -166,12 +165,11 @@ contains
       name = key
       if (allocated(self%member%title)) name = self%member%title
       if (allocated(self%line)) then
-         self%head = self%head//","//name
-         self%line = self%line//","//text
-      else
-         self%head = name
-         self%line = text
+         name = self%head//","//name
+         text = self%line//","//text
       end if
+      call move_alloc(name, self%head)
+      call move_alloc(text, self%line)
    end subroutine put_value
 
    !> Of a list, how many values it has.

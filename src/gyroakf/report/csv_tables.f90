@@ -13,8 +13,6 @@ module gyroakf_report_csv_tables
    private
    public :: write_table
 
-   !> Enough for every number of a file that was written with 15 digits; for an estimated spectrum
-   integer, parameter :: digits = 15, spectrum_digits = 10
    !> Intervals between 0 and the Nyquist frequency in ar_spectrum.csv
    integer, parameter :: frequency_steps = 1024
 
@@ -39,7 +37,6 @@ contains
       type(writer_type), intent(inout) :: writer
       !> Name of its file
       character(*), intent(in) :: table
-      !> What came out
       type(pipeline_result_type), intent(in), target :: result
       !> Sample interval, s; 1 without a rate
       real(dp), intent(in) :: interval
@@ -92,31 +89,28 @@ contains
 
    contains
 
-      !> Numbers with a comma in front of each.
+      !> Numbers with a comma in front of each; 15 digits keep those of a file that has as many.
       subroutine put_numbers(values)
          real(dp), intent(in) :: values(:)
-         integer :: i, wanted
+         integer :: i
 
-         wanted = merge(spectrum_digits, digits, table == "spectrum.csv")
          do i = 1, size(values)
             call put(writer, ",")
-            call put_real(writer, values(i), wanted)
+            call put_real(writer, values(i), merge(10, 15, table == "spectrum.csv"))
          end do
       end subroutine put_numbers
 
       !> Lines of names and numbers.
       subroutine put_rows(names, values, columns)
-         !> Of every line
          character(*), intent(in) :: names
          !> Column after column
          real(dp), intent(in) :: values(:)
          integer, intent(in) :: columns
-         integer :: i, n
+         integer :: i
 
-         n = size(values)/columns
-         do i = 1, n
+         do i = 1, size(values)/columns
             call put(writer, names)
-            call put_numbers(values(i::n))
+            call put_numbers(values(i::size(values)/columns))
             call put_line(writer, "")
          end do
       end subroutine put_rows
@@ -169,10 +163,9 @@ contains
                                    [channel%reduction_percent(i), allan%read_off%value(i)], &
                                    [which == stage%akf .and. channel%reduction_known(i), &
                                     allan%read_off%found(i)]))
-                  call put_numbers(where_known( &
-                                   [term(i)%value_si, term(i)%std_error_si, &
-                                    term(i)%upper_limit_si], &
-                                   term(i)%fitted .and. allan%stated%in_units))
+                  call put_numbers(where_known([term(i)%value_si, term(i)%std_error_si, &
+                                                term(i)%upper_limit_si], &
+                                               term(i)%fitted .and. allan%stated%in_units))
                   call put_line(writer, ","//quoted(term(i)%unit_si)//","// &
                                 quoted(term(i)%definition)//","//trim(term(i)%state))
                end do

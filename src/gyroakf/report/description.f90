@@ -153,40 +153,33 @@ contains
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in), optional :: value
-      logical, intent(in), optional :: known
-      character(*), intent(in), optional :: unit
+      logical, intent(in), optional :: known, shown
+      character(*), intent(in), optional :: unit, title
       real(dp), intent(in), optional :: std_error
-      character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown
       type(unknown_type) :: nothing
       logical :: given
 
       call set_member(self%member, title, unit, std_error, shown=shown, known=known)
       given = present(value)
-      if (present(known)) given = given .and. known
       if (given) then
-         call self%value(key, value)
-      else if (.not. self%for_people) then
-         if (present(value)) then
-            select type (value)
-            type is (character(*))
-            type is (logical)
-            class default; nothing%number = .true.
-            end select
-         end if
-         call self%value(key, nothing)
+         select type (value)
+         type is (character(*))
+         type is (logical)
+         class default; nothing%number = .true.
+         end select
+         if (present(known)) given = known
       end if
+      if (given) call self%value(key, value)
+      if (.not. (given .or. self%for_people)) call self%value(key, nothing)
    end subroutine put_value
 
    subroutine put_values(self, key, value, known, std_errors, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value(:)
-      logical, intent(in), optional :: known
+      logical, intent(in), optional :: known, shown
       real(dp), intent(in), optional :: std_errors(:)
       character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown
-
       logical :: given
 
       given = .true.

@@ -29,7 +29,6 @@ contains
    subroutine write_document(writer, record, result, command_line)
       !> Open
       type(writer_type), intent(inout), target :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       !> What came out; absent: "channels" is empty
       type(pipeline_result_type), intent(in), optional :: result
@@ -156,11 +155,9 @@ contains
 
    !> Warnings of the record, then of the channels, with the name of the channel.
    subroutine gather_warnings(record, warnings, result, notes)
-      !> What was read
       type(record_type), intent(in) :: record
       !> One sentence each
       type(text_type), allocatable, intent(out) :: warnings(:)
-      !> What came out
       type(pipeline_result_type), intent(in), optional :: result
       !> Present: they are the notes instead
       logical, intent(in), optional :: notes

@@ -18,11 +18,9 @@ contains
 
    !> "verdict": null where none was looked for.
    subroutine put_verdict(out, record, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
       !> For the units
       type(record_type), intent(in) :: record
-      !> One channel
       type(channel_result_type), intent(in) :: channel
 
       if (.not. out%opens("verdict", channel%verdict%wanted, "Verdict")) return
@@ -47,9 +45,7 @@ contains
 
    !> "tests".
    subroutine put_tests(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       character(1), parameter :: bound(-1:1) = ["<", "=", ">"]
 
@@ -138,7 +134,6 @@ contains
 
    !> A Ljung-Box test.
    subroutine put_ljung_box(out, key, title, test, available)
-      !> The renderer
       class(description_type), intent(inout) :: out
       !> Its key, and what a text calls it
       character(*), intent(in) :: key, title
@@ -159,9 +154,7 @@ contains
 
    !> "ar".
    subroutine put_ar(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       integer :: i
 

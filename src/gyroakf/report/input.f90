@@ -20,7 +20,6 @@ contains
    subroutine report_inspect(writer, record)
       !> Open; "-" is standard output
       type(writer_type), intent(inout) :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       integer :: i
 
@@ -40,9 +39,7 @@ contains
    !> File, samples, rate, unit, what is missing, what the time stamps show; or only the first of
    !> these in two lines.
    subroutine put_input(writer, record, brief)
-      !> The report
       type(writer_type), intent(inout) :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       !> Present: in two lines
       logical, intent(in), optional :: brief
@@ -239,7 +236,6 @@ contains
 
    !> Somebody gave a unit.
    pure logical function has_unit(record)
-      !> What was read
       type(record_type), intent(in) :: record
 
       has_unit = record%unit%quantity /= quantity%unknown .and. allocated(record%unit%name)
@@ -247,7 +243,6 @@ contains
 
    !> The unit's name, "input units" where none is known.
    pure function unit_name(record) result(name)
-      !> What was read
       type(record_type), intent(in) :: record
       character(:), allocatable :: name
 
@@ -257,7 +252,6 @@ contains
 
    !> Unit of averaging times: "s", or "samples" where no rate is known.
    pure function time_unit(record) result(name)
-      !> What was read
       type(record_type), intent(in) :: record
       character(:), allocatable :: name
 

@@ -16,6 +16,7 @@ module gyroakf_report_kalibr
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, &
       not_described, stage
+   use gyroakf_report_html_markup, only : put_lines
    use gyroakf_report_text_layout, only : scientific, number, count_text, if_known
    implicit none (type, external)
    private
@@ -54,7 +55,6 @@ contains
    subroutine write_kalibr(writer, record, result, error)
       !> Open
       type(writer_type), intent(inout) :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       !> With the coefficients of the series as read
       type(pipeline_result_type), intent(in) :: result
@@ -71,18 +71,12 @@ contains
          release_string)
       call put_line(writer, "# from "//plain(record%path)//": "// &
          count_text(sample_count(record))//" samples, "//number(result%duration, 6)//" s")
-      call put_line(writer, "#")
-      call put_line(writer, "# SI units, continuous time. noise_density is N of the Allan "// &
-         "variance N^2/tau, the root of the")
-      call put_line(writer, "# two-sided density (not sqrt(2) N); random_walk is K of K^2 "// &
-         "tau/3. One number for a sensor: the")
-      call put_line(writer, "# largest of its axes, taken at the 95 % upper limit where an "// &
-         "axis shows no value.")
-      call put_line(writer, "# They are those of the sensor as it was recorded, at rest; "// &
-         "Kalibr's documentation advises larger")
-      call put_line(writer, "# ones for a low-cost sensor in motion.")
-      call put_line(writer, "")
-      call put_line(writer, kalibr_mark)
+      call put_lines(writer, [character(96) :: "#", "# SI units, continuous time. "// &
+         "noise_density is N of the Allan variance N^2/tau, the root of the", "# two-sided "// &
+         "density (not sqrt(2) N); random_walk is K of K^2 tau/3. One number for a sensor: the", &
+         "# largest of its axes, taken at the 95 % upper limit where an axis shows no value.", &
+         "# They are those of the sensor as it was recorded, at rest; Kalibr's documentation "// &
+         "advises larger", "# ones for a low-cost sensor in motion.", "", kalibr_mark])
       rate = number(1.0_dp/record%sample_interval, 7)      ! a real number for YAML: never "1e6"
       if (scan(rate, "eE") > 0) rate = scientific(1.0_dp/record%sample_interval, 7)
       call put_line(writer, "update_rate: "//rate//if_known(scan(rate, ".") == 0, ".0")//"  # Hz")
@@ -123,8 +117,7 @@ contains
 
          call put_line(writer, "")
          if (all(measured /= what)) call put_line(writer, "# The record has no channel in "// &
-                                                  asked// &
-                                                  ": fill in the "//sensor//"'s numbers.")
+            asked//": fill in the "//sensor//"'s numbers.")
          call put_number(what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
          call put_number(what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
       end subroutine put_sensor
@@ -148,8 +141,7 @@ contains
          end do
          largest = maxloc(strength(stated), dim=1, mask=of)
          call put_line(writer, key//": "//scientific(strength(stated(largest)), 5)//"  # "// &
-                       unit//", "// &
-                       term_names(term)//" of "//plain(result%channel(largest)%name)// &
+                       unit//", "//term_names(term)//" of "//plain(result%channel(largest)%name)// &
                        if_known(.not. stated(largest)%detected, &
                                 " is not detectable: its 95 % upper limit"))
          do c = 1, size(of)

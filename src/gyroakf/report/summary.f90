@@ -69,10 +69,8 @@ contains
       type(summary_row_type), intent(in) :: rows(:)
       type(table_type) :: table
       character(:), allocatable :: text
-      integer :: i, j, k, last
       integer, allocatable :: width(:)
-      integer :: widest
-      integer :: blank
+      integer :: i, j, k, last, widest, blank
 
       if (size(rows) == 0) return
       table = rows(1)%table

@@ -51,7 +51,6 @@ contains
       character(*), intent(in) :: path
       !> Of its results, "" where none are written
       character(*), intent(in) :: folder
-      !> What was read
       type(record_type), intent(in) :: record
       !> The row
       type(summary_row_type), intent(out) :: row
@@ -93,9 +92,9 @@ contains
       end do
       call json%close()
       call json%close()
-      text = json_text(json)
       row%json = ""
       if (json%failed) return
+      text = json_text(json)
       text = text(index(text, "["):)
       row%json = text(index(text, "{"):)
 
@@ -146,18 +145,13 @@ contains
       !> Without a name where nothing was computed
       type(channel_result_type), intent(in) :: channel
       type(record_type) :: view
-      character(:), allocatable :: name
       logical :: there, known
       integer :: term
 
       there = allocated(channel%name)
-      name = ""
-      if (allocated(record%channel)) then
-         call view_channel(record, c, view)
-         name = record%channel(c)%text
-      end if
+      if (allocated(record%channel)) call view_channel(record, c, view)
       call out%open("")
-      call out%put("name", name, title="channel")
+      call out%put("name", channel_name(record, c), title="channel")
       call out%put("unit", view%unit%name, has_unit(view))
       call out%put("mean", channel%raw%mean, there)
       call out%put("std", channel%raw%std, there)
@@ -205,66 +199,70 @@ contains
       integer, intent(in) :: warnings
       logical, intent(in) :: failed
       type(record_type) :: view
-      type(text_type) :: cell(4)
-      character(:), allocatable :: name
-      character(11) :: head(4)
       integer :: i
 
-      name = ""
-      if (allocated(record%channel)) then
-         call view_channel(record, c, view)
-         name = record%channel(c)%text
+      if (.not. allocated(table%cell)) then
+         call new_table(table, merge(7, 8, command == "tests" .or. command == "ar"), left=2)
+         call add_row(table, "file", "channel")
       end if
-      associate (is => channel%available, term => channel%allan(stage%input)%stated%term)
+      call add_row(table, path, if_known(failed, "failed", channel_name(record, c)))
+      if (allocated(record%channel)) call view_channel(record, c, view)
+      call add("samples", count_text(sample_count(record)))
+      associate (is => channel%available, ar => channel%ar)
          select case (command)
          case ("inspect")
-            head = [character(11) :: "rate Hz", "unit", "missing", "gaps"]
-            cell(1)%text = known(record%rate_known, 1.0_dp/record%sample_interval)
-            cell(2)%text = if_known(has_unit(view), unit_name(view))
-            cell(3)%text = count_text(record%audit%missing)
-            cell(4)%text = count_text(record%audit%gaps)
+            call add("rate Hz", known(record%rate_known, 1.0_dp/record%sample_interval))
+            call add("unit", if_known(has_unit(view), unit_name(view)))
+            call add("missing", count_text(record%audit%missing))
+            call add("gaps", count_text(record%audit%gaps))
          case ("tests")
-            head = [character(11) :: "ADF p", "Jarque-Bera", "Ljung-Box", ""]
-            cell(1)%text = known(is%adf, channel%adf%p_value)
-            cell(2)%text = known(is%jarque_bera, channel%jarque_bera%p_value)
-            cell(3)%text = known(is%ljung_box, channel%ljung_box%p_value)
+            call add("ADF p", known(is%adf, channel%adf%p_value))
+            call add("Jarque-Bera", known(is%jarque_bera, channel%jarque_bera%p_value))
+            call add("Ljung-Box", known(is%ljung_box, channel%ljung_box%p_value))
          case ("ar")
-            head = [character(11) :: "order", "noise var.", "phi 1", ""]
-            cell(1)%text = known(is%ar, real(channel%ar%order, dp))
-            cell(2)%text = known(is%ar, channel%ar%noise_variance)
-            cell(3)%text = "-"
-            if (is%ar .and. channel%ar%order > 0) cell(3)%text = known(.true., &
-                                                                       channel%ar%coefficient(1))
+            call add("order", known(is%ar, real(ar%order, dp)))
+            call add("noise var.", known(is%ar, ar%noise_variance))
+            if (is%ar .and. ar%order > 0) then
+               call add("phi 1", known(.true., ar%coefficient(1)))
+            else
+               call add("phi 1", "-")
+            end if
          case ("filter")
-            head = [character(11) :: "variance", "KF", "AKF", "AKF passes"]
-            cell(1)%text = known(.true., channel%cleaned%variance)
-            cell(2)%text = known(is%kf, channel%kf%variance)
-            cell(3)%text = known(is%akf, channel%akf%variance)
-            cell(4)%text = known(is%akf, channel%akf%dc_gain)
+            call add("variance", known(.true., channel%cleaned%variance))
+            call add("KF", known(is%kf, channel%kf%variance))
+            call add("AKF", known(is%akf, channel%akf%variance))
+            call add("AKF passes", known(is%akf, channel%akf%dc_gain))
          case default
-            head = [character(11) :: term_names(2), term_names(3), term_names(4), "noise"]
-            do i = 1, 3
-               cell(i)%text = coefficient_text(term(i + 1))
+            do i = 2, 4
+               call add(term_names(i), &
+                        coefficient_text(channel%allan(stage%input)%stated%term(i)))
             end do
-            cell(4)%text = if_known(channel%verdict%known, trim(verdict_text(channel)), "-")
+            call add("noise", if_known(channel%verdict%known, trim(verdict_text(channel)), "-"))
          end select
       end associate
-      if (.not. allocated(table%cell)) then
-         call new_table(table, 4 + count(head /= ""), left=2)
-         call add_row(table, "file", "channel", "samples")
-         do i = 1, count(head /= "")
-            call add_cell(table, trim(head(i)))
-         end do
-         call add_cell(table, "warnings")
-      end if
-      call add_row(table, path, if_known(failed, "failed", name))
-      if (failed) return
-      call add_cell(table, count_text(sample_count(record)))
-      do i = 1, count(head /= "")
-         call add_cell(table, cell(i)%text)
-      end do
-      call add_cell(table, count_text(int(warnings, int64)))
+      call add("warnings", count_text(int(warnings, int64)))
+
+   contains
+
+      !> A cell, below its head.
+      subroutine add(head, text)
+         character(*), intent(in) :: head, text
+
+         table%cell(1, table%filled + 1)%text = head
+         call add_cell(table, if_known(.not. failed, text))
+      end subroutine add
+
    end subroutine add_channel_row
+
+   !> "" of a record that was not read.
+   pure function channel_name(record, c) result(name)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: c
+      character(:), allocatable :: name
+
+      name = ""
+      if (allocated(record%channel)) name = record%channel(c)%text
+   end function channel_name
 
    !> A number of the table, "-" where it is not known.
    pure function known(is_known, value) result(text)
