@@ -18,10 +18,7 @@ module gyroakf_report_document
    use gyroakf_report_document_filters, only : put_drift, put_filters
    implicit none (type, external)
    private
-   public :: write_document, put_document, gather_warnings, schema_number
-
-   !> Keys are never renamed within a schema
-   integer, parameter :: schema_number = 1
+   public :: write_document, put_document, gather_warnings
 
 contains
 
@@ -52,7 +49,7 @@ contains
       integer :: c
 
       call out%open("")
-      call out%put("schema", schema_number)
+      call out%put("schema", 1)               ! keys are never renamed within a schema
       call out%put("program", "gyroakf")
       call out%put("version", release_string)
       call out%put("command_line", command_line)

@@ -91,8 +91,7 @@ contains
          end do
          call put_line(writer, "</tr>")
       end do
-      call put_line(writer, merge("</thead>", "</tbody>", size(cell, 1) <= head)// &
-                    "</table></div>")
+      call put_line(writer, merge("</thead>", "</tbody>", size(cell, 1) <= head)//"</table></div>")
    end subroutine html_table
 
    !> Ends the list that is open, if one is.

@@ -12,7 +12,7 @@ module gyroakf_report_input
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: report_inspect, put_input, has_unit, unit_name, time_unit
+   public :: report_inspect, put_input, has_unit, unit_name, time_unit, text_or
 
 contains
 
@@ -27,10 +27,8 @@ contains
       call put_input(writer, record)
       if (allocated(record%warnings)) then
          do i = 1, size(record%warnings)
-            associate (warning => record%warnings(i))
-               call put_item(writer, if_known(warning%note, "Note", "Warning"), warning%text, &
-                             verbatim=.true.)
-            end associate
+            call put_item(writer, if_known(record%warnings(i)%note, "Note", "Warning"), &
+                          record%warnings(i)%text, verbatim=.true.)
          end do
       end if
       if (allocated(record%column)) call put_columns(writer, record)
@@ -139,11 +137,9 @@ contains
       seconds = real(sample_count(record), dp)*record%sample_interval
       text = number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
              number(seconds, 7)//" s"
-      if (seconds >= 7200.0_dp) then
-         text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
-      else if (seconds >= 120.0_dp) then
+      if (seconds >= 7200.0_dp) text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
+      if (seconds >= 120.0_dp .and. seconds < 7200.0_dp) &
          text = text//" ("//number(seconds/60.0_dp, 4)//" min)"
-      end if
    end function rate_text
 
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
@@ -274,6 +270,7 @@ contains
 
    !> The text as it can be shown, or another one where it is unallocated or empty.
    pure function text_or(text, other) result(chosen)
+      !> Any bytes
       character(*), intent(in), optional :: text
       character(*), intent(in) :: other
       character(:), allocatable :: chosen

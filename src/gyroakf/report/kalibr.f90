@@ -17,6 +17,7 @@ module gyroakf_report_kalibr
    use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, &
       not_described, stage
    use gyroakf_report_html_markup, only : put_lines
+   use gyroakf_report_input, only : text_or
    use gyroakf_report_text_layout, only : scientific, number, count_text, if_known
    implicit none (type, external)
    private
@@ -69,7 +70,7 @@ contains
       if (allocated(error)) return
       call put_line(writer, "# Noise of an inertial sensor for Kalibr (imu.yaml), by gyroakf "// &
          release_string)
-      call put_line(writer, "# from "//plain(record%path)//": "// &
+      call put_line(writer, "# from "//text_or(record%path, "")//": "// &
          count_text(sample_count(record))//" samples, "//number(result%duration, 6)//" s")
       call put_lines(writer, [character(96) :: "#", "# SI units, continuous time. "// &
          "noise_density is N of the Allan variance N^2/tau, the root of the", "# two-sided "// &
@@ -141,7 +142,8 @@ contains
          end do
          largest = maxloc(strength(stated), dim=1, mask=of)
          call put_line(writer, key//": "//scientific(strength(stated(largest)), 5)//"  # "// &
-                       unit//", "//term_names(term)//" of "//plain(result%channel(largest)%name)// &
+                       unit//", "//term_names(term)//" of "// &
+                       text_or(result%channel(largest)%name, "")// &
                        if_known(.not. stated(largest)%detected, &
                                 " is not detectable: its 95 % upper limit"))
          do c = 1, size(of)
@@ -149,7 +151,7 @@ contains
             text = "not detectable, below "//scientific(stated(c)%upper_limit_si, 5)//" (95 %)"
             if (stated(c)%detected) text = scientific(stated(c)%value_si, 5)//" +/- "// &
                scientific(stated(c)%std_error_si, 2)
-            call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//text)
+            call put_line(writer, "#   "//text_or(result%channel(c)%name, "")//": "//text)
          end do
       end subroutine put_number
 
@@ -160,7 +162,7 @@ contains
          integer :: c
 
          do c = 1, size(measured)
-            name = plain(result%channel(c)%name)
+            name = text_or(result%channel(c)%name, "")
             associate (allan => result%channel(c)%allan(stage%input))
                if (measured(c) == quantity%unknown) then
                   call put_line(writer, lf//"# not used: "//name//", its unit is not known")
@@ -192,17 +194,5 @@ contains
       what = record%unit%quantity
       if (allocated(record%channel_unit)) what = record%channel_unit%quantity
    end function quantities
-
-   !> For a comment: no line ends.
-   pure function plain(text) result(line)
-      character(*), intent(in) :: text
-      character(:), allocatable :: line
-      integer :: i
-
-      line = text
-      do i = 1, len(line)
-         if (iachar(line(i:i)) < 32) line(i:i) = "?"
-      end do
-   end function plain
 
 end module gyroakf_report_kalibr

@@ -10,12 +10,11 @@ module gyroakf_report_summary_row
    use gyroakf_report_csv, only : csv_row_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_document, only : gather_warnings
-   use gyroakf_report_input, only : has_unit, unit_name
+   use gyroakf_report_input, only : has_unit, text_or, unit_name
    use gyroakf_report_json, only : json_text, json_type
    use gyroakf_report_text_layout, only : count_text, if_known, number
    use gyroakf_report_text_table, only : add_cell, add_row, new_table, table_type
    use gyroakf_report_verdicts, only : verdict_text
-   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
    public :: summary_row_type, summarise
@@ -62,7 +61,7 @@ contains
       character(*), intent(in), optional :: message
       type(channel_result_type) :: nothing
       type(text_type), allocatable :: warnings(:)
-      character(:), allocatable :: text, shown
+      character(:), allocatable :: text
       type(json_type) :: json
       integer :: c, n
 
@@ -117,10 +116,8 @@ contains
          call put_channel(csv, record, c, channel)
          row%csv_head = csv%head
          row%csv = row%csv//csv%line//new_line("a")
-         shown = path
-         call make_readable(shown)
-         call add_channel_row(row%table, command, shown, record, c, channel, size(warnings), &
-                              row%code /= 0)
+         call add_channel_row(row%table, command, text_or(path, ""), record, c, channel, &
+                              size(warnings), row%code /= 0)
       end subroutine add_channel
 
    end subroutine summarise
@@ -234,8 +231,7 @@ contains
             call add("AKF passes", known(is%akf, channel%akf%dc_gain))
          case default
             do i = 2, 4
-               call add(term_names(i), &
-                        coefficient_text(channel%allan(stage%input)%stated%term(i)))
+               call add(term_names(i), coefficient_text(channel%allan(stage%input)%stated%term(i)))
             end do
             call add("noise", if_known(channel%verdict%known, trim(verdict_text(channel)), "-"))
          end select
