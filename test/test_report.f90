@@ -12,8 +12,7 @@ module test_report
    use gyroakf_utf8, only : text_width
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
-   use gyroakf_report_csv, only : write_series, series_output_type
-   use gyroakf_report_csv_tables, only : write_table
+   use gyroakf_report_csv, only : series_output_type, write_series, write_table
    use json_reader, only : json_item, read_json, json_text_at, json_real
    use report_fixture, only : make_record, make_result, fill_drift, begin_text, end_text
    implicit none (type, external)

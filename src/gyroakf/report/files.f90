@@ -15,8 +15,7 @@ module gyroakf_report_files
       named_figure_type
    use gyroakf_report_html_page, only : write_page
    use gyroakf_report_svg, only : svg_mark, write_svg
-   use gyroakf_report_csv, only : series_output_type, write_series
-   use gyroakf_report_csv_tables, only : write_table
+   use gyroakf_report_csv, only : series_output_type, write_series, write_table
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
    implicit none (type, external)
    private

@@ -1,126 +1,38 @@
 ! SPDX-License-Identifier: MIT
 !> What a summary of many files says of one of them: described once, for summary.csv and
-!> summary.json; the cells of the table.
+!> summary.json; the cells of the table; and the CSV renderer of a description: its members in a
+!> line, of a list how many values it has.
 module gyroakf_report_summary_row
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type, sample_count, text_type, view_channel
+   use gyroakf_record, only : record_type, sample_count, view_channel
    use gyroakf_units, only : term_names
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, &
-      stage_names, stated_coefficient_type
-   use gyroakf_report_csv, only : csv_row_type
-   use gyroakf_report_description, only : description_type
-   use gyroakf_report_document, only : gather_warnings
-   use gyroakf_report_input, only : has_unit, text_or, unit_name
-   use gyroakf_report_json, only : json_text, json_type
+   use gyroakf_io_writer, only : format_real
+   use gyroakf_pipeline_result, only : channel_result_type, stage, stated_coefficient_type
+   use gyroakf_report_csv, only : quoted
+   use gyroakf_report_description, only : description_type, unknown_type
+   use gyroakf_report_input, only : has_unit, unit_name
    use gyroakf_report_text_layout, only : count_text, if_known, number
    use gyroakf_report_text_table, only : add_cell, add_row, new_table, table_type
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
-   public :: summary_row_type, summarise
+   public :: csv_row_type, put_record, put_channel, add_channel_row
 
-   !> One file
-   type :: summary_row_type
-      !> What a run of this file alone would end with: 0 done, 2 the data or a file, 3 a numerical
-      !> failure, or a crash
-      integer :: code = 0
-      !> What went wrong, "" where nothing did
-      character(:), allocatable :: message
-      !> Names of the columns of summary.csv, and its lines, each with its line feed
-      character(:), allocatable :: csv_head, csv
-      !> Element of "files" in summary.json, "" where there was no memory for it
-      character(:), allocatable :: json
-      !> A row for each channel
-      type(table_type) :: table
-   end type summary_row_type
+   !> Every member takes a column, known or not, which its title names, or else its key
+   type, extends(description_type) :: csv_row_type
+      !> Names and values
+      character(:), allocatable :: head, line
+   contains
+      procedure :: begin
+      procedure :: close => close_group
+      procedure :: value => put_value
+      procedure :: values => put_values
+   end type csv_row_type
 
-   !> Maximum number of warnings of a file that are shown in full
-   integer, parameter :: most_warnings = 3
    !> Digits of a number in the table
    integer, parameter :: table_digits = 4
 
 contains
-
-   !> A file that was worked on, or that failed: then with a record that was not read, which has
-   !> no channels.
-   subroutine summarise(command, path, folder, record, row, result, code, message)
-      !> run, inspect, allan, tests, ar, filter
-      character(*), intent(in) :: command
-      !> As it was given
-      character(*), intent(in) :: path
-      !> Of its results, "" where none are written
-      character(*), intent(in) :: folder
-      type(record_type), intent(in) :: record
-      !> The row
-      type(summary_row_type), intent(out) :: row
-      !> What came out; absent for inspect
-      type(pipeline_result_type), intent(in), optional :: result
-      !> What a run of this file alone would end with (default 0: done)
-      integer, intent(in), optional :: code
-      !> What went wrong
-      character(*), intent(in), optional :: message
-      type(channel_result_type) :: nothing
-      type(text_type), allocatable :: warnings(:)
-      character(:), allocatable :: text
-      type(json_type) :: json
-      integer :: c, n
-
-      allocate (nothing%allan(size(stage_names)))
-      row%message = ""
-      if (present(code)) row%code = code
-      if (present(message)) row%message = message
-      row%csv = ""
-      call gather_warnings(record, warnings, result)
-      ! as deep as it stands in the whole document
-      call json%open("")
-      call json%open("files", list=.true.)
-      call json%open("")
-      call json%put("path", path)
-      call json%put("folder", folder, folder /= "")
-      call json%put("exit_code", row%code)
-      call json%put("message", row%message, row%message /= "")
-      call put_record(json, record)
-      call json%put("warning_count", size(warnings))
-      call json%put("warnings", warnings(:min(size(warnings), most_warnings)))
-      call json%open("channels", list=.true.)
-      n = 1
-      if (allocated(record%channel)) n = size(record%channel)
-      do c = 1, n
-         if (present(result)) call add_channel(result%channel(c))
-         if (.not. present(result)) call add_channel(nothing)
-      end do
-      call json%close()
-      call json%close()
-      row%json = ""
-      if (json%failed) return
-      text = json_text(json)
-      text = text(index(text, "["):)
-      row%json = text(index(text, "{"):)
-
-   contains
-
-      !> A channel in all forms; the message of its line is the error, or else the first warning.
-      subroutine add_channel(channel)
-         type(channel_result_type), intent(in) :: channel
-         type(csv_row_type) :: csv
-
-         if (allocated(record%channel)) call put_channel(json, record, c, channel)
-         text = row%message
-         if (row%code == 0 .and. size(warnings) > 0) text = warnings(1)%text
-         call csv%put("path", path)
-         call csv%put("folder", folder)
-         call csv%put("exit_code", row%code)
-         call csv%put("warnings", size(warnings))
-         call csv%put("message", text(:index(text//new_line("a"), new_line("a")) - 1))
-         call put_record(csv, record)
-         call put_channel(csv, record, c, channel)
-         row%csv_head = csv%head
-         row%csv = row%csv//csv%line//new_line("a")
-         call add_channel_row(row%table, command, text_or(path, ""), record, c, channel, &
-                              size(warnings), row%code /= 0)
-      end subroutine add_channel
-
-   end subroutine summarise
 
    !> What was read; nothing is known of a record without channels.
    subroutine put_record(out, record)
@@ -183,6 +95,16 @@ contains
       end associate
       call out%close()
    end subroutine put_channel
+
+   !> "" of a record that was not read.
+   pure function channel_name(record, c) result(name)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: c
+      character(:), allocatable :: name
+
+      name = ""
+      if (allocated(record%channel)) name = record%channel(c)%text
+   end function channel_name
 
    !> The row of a channel in the table, below the heads; a file that failed has nothing in it.
    subroutine add_channel_row(table, command, path, record, c, channel, warnings, failed)
@@ -250,16 +172,6 @@ contains
 
    end subroutine add_channel_row
 
-   !> "" of a record that was not read.
-   pure function channel_name(record, c) result(name)
-      type(record_type), intent(in) :: record
-      integer, intent(in) :: c
-      character(:), allocatable :: name
-
-      name = ""
-      if (allocated(record%channel)) name = record%channel(c)%text
-   end function channel_name
-
    !> A number of the table, "-" where it is not known.
    pure function known(is_known, value) result(text)
       logical, intent(in) :: is_known
@@ -279,5 +191,55 @@ contains
       text = "< "//number(stated%upper_limit, 3)//" "//stated%unit
       if (stated%detected) text = number(stated%value, table_digits)//" "//stated%unit
    end function coefficient_text
+
+   !> A line has no groups.
+   subroutine begin(self, key, list)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      logical, intent(in) :: list
+
+      self%complete = self%complete .or. key == "" .or. list
+   end subroutine begin
+
+   subroutine close_group(self)
+      class(csv_row_type), intent(inout) :: self
+
+      self%complete = .true.
+   end subroutine close_group
+
+   subroutine put_value(self, key, value)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value
+      character(:), allocatable :: text, name
+
+      if (.not. self%member%shown) return
+      text = ""
+      select type (value)
+      type is (real(dp)); text = format_real(value, 15)
+      type is (integer); text = count_text(int(value, int64))
+      type is (integer(int64)); text = count_text(value)
+      type is (logical); text = trim(merge("true ", "false", value))
+      type is (character(*)); text = quoted(value)
+      type is (unknown_type); if (value%number) text = "nan"
+      end select
+      name = key
+      if (allocated(self%member%title)) name = self%member%title
+      if (allocated(self%line)) then
+         name = self%head//","//name
+         text = self%line//","//text
+      end if
+      call move_alloc(name, self%head)
+      call move_alloc(text, self%line)
+   end subroutine put_value
+
+   !> Of a list, how many values it has.
+   subroutine put_values(self, key, value)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value(:)
+
+      call put_value(self, key, size(value))
+   end subroutine put_values
 
 end module gyroakf_report_summary_row
