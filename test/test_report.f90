@@ -8,7 +8,6 @@ module test_report
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_report_text_layout, only : put_item, put_heading, report_width, fixed, scientific, p_value_text, plural, rounded
-   use gyroakf_report_text_table, only : add_row, table_type, new_table, put_table
    use gyroakf_utf8, only : text_width
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_report_document, only : write_document
@@ -27,7 +26,6 @@ contains
       call test("numbers", test_numbers)
       call test("document-command-line", test_command_line)
       call test("wrapping", test_wrapping)
-      call test("table-by-characters", test_table)
       call test("run", test_run)
       call test("run-tables", test_run_tables)
       call test("answer", test_answer)
@@ -39,7 +37,6 @@ contains
       call test("halves", test_halves)
       call test("single-commands", test_single_commands)
       call test("truth", test_truth)
-      call test("document-empty-rooms", test_document_empty)
       call test("document-values", test_document_values)
       call test("csv", test_csv)
       call test("mixed-units", test_mixed_units)
@@ -105,21 +102,6 @@ contains
       call check(error, text(:21) == "  File            abc" .and. index(text, lf//repeat(" ", 18)//"abc") > 0)
       call check(error, index(text, lf//lf//"Title"//lf//"====="//lf) > 0)
    end subroutine test_wrapping
-
-   !> "deg" as a sign has two bytes and one column.
-   subroutine test_table()
-      type(writer_type) :: writer
-      type(table_type) :: table
-      character(:), allocatable :: text
-
-      call new_table(table, 2)
-      call add_row(table, char(194)//char(176), "12")
-      call add_row(table, "ab", "3")
-      call begin_text(writer)
-      call put_table(writer, table)
-      call end_text(writer, text)
-      call check(error, text, "  "//char(194)//char(176)//"   12"//lf//"  ab   3"//lf)
-   end subroutine test_table
 
    !> What was read, removed, tested, and what to make of it.
    subroutine test_run()
@@ -331,16 +313,17 @@ contains
    end subroutine test_single_commands
 
    !> Writes a document and reads it back.
-   subroutine document(record, items, valid, result)
+   subroutine document(record, items, valid, result, command_line)
       type(record_type), intent(in) :: record
       type(json_item), allocatable, intent(out) :: items(:)
       logical, intent(out) :: valid
       type(pipeline_result_type), intent(in), optional :: result
+      character(*), intent(in), optional :: command_line
       type(writer_type) :: writer
       character(:), allocatable :: text
 
       call begin_text(writer)
-      call write_document(writer, record, result)
+      call write_document(writer, record, result, command_line)
       call end_text(writer, text)
       call read_json(text, items, valid)
    end subroutine document
@@ -348,18 +331,13 @@ contains
    !> The command line as it was typed; null in documents of the library.
    subroutine test_command_line()
       type(record_type) :: record
-      type(writer_type) :: writer
       type(json_item), allocatable :: items(:)
-      character(:), allocatable :: text
       logical :: valid
 
       call make_record(record, .true.)
       call document(record, items, valid)
       call check(error, json_text_at(items, "/command_line"), "null")
-      call begin_text(writer)
-      call write_document(writer, record, command_line="gyroakf inspect 'a b'"//lf)
-      call end_text(writer, text)
-      call read_json(text, items, valid)
+      call document(record, items, valid, command_line="gyroakf inspect 'a b'"//lf)
       call check(error, json_text_at(items, "/command_line"), '"gyroakf inspect '//"'a b'"//'\u000a"')
    end subroutine test_command_line
 
@@ -403,21 +381,6 @@ contains
                  index(flat, "there is nothing that a filter could follow") > 0, flat)
    end subroutine test_drift
 
-   !> A channel of which nothing could be computed.
-   subroutine test_document_empty()
-      type(record_type) :: record
-      type(pipeline_result_type) :: result
-      type(json_item), allocatable :: items(:)
-      logical :: valid
-
-      call make_record(record, .false.)
-      allocate (result%channel(1))
-      allocate (result%channel(1)%allan(6))
-      result%channel(1)%name = "gx"
-      call document(record, items, valid, result)
-      call check(error, valid .and. json_text_at(items, "/channels/0/drift") == "null")
-   end subroutine test_document_empty
-
    !> RMSE of two filters, in the report and in the document; nothing and null where the true drift is not known.
    subroutine test_truth()
       type(record_type) :: record
@@ -459,14 +422,12 @@ contains
                  'null"R"')
       call check(error, json_real(items, c//"/coefficients/akf/N/value"), 0.1896_dp, thr=1.0e-12_dp)
       call check(error, json_real(items, c//"/coefficients/akf/N/value_si")*10800, 0.1896_dp*acos(-1.0_dp), thr=1.0e-12_dp)
-      call check(error, json_real(items, c//"/coefficients/akf/density/one_sided/value"), &
-            0.00316_dp*sqrt(2.0_dp), thr=1.0e-15_dp)
+      call check(error, json_real(items, c//"/coefficients/akf/density/one_sided/value"), 0.00316_dp*sqrt(2.0_dp), thr=1.0e-15_dp)
       call check(error, json_real(items, c//"/coefficients/reduction_percent/N"), 80.0_dp, thr=1.0e-9_dp)
       call check(error, json_real(items, c//"/tests/adf/critical/1%"), -3.43_dp, thr=1.0e-12_dp)
       call check(error, json_real(items, c//"/tests/adf/critical/10%"), -2.57_dp, thr=1.0e-12_dp)
       call check(error, json_text_at(items, c//"/coefficients/reduction_percent/B")// &
-                 json_text_at(items, c//"/coefficients/akf/R/value")//json_text_at(items, &
-                 c//"/allan/compensated"), "nullnullnull")
+                 json_text_at(items, c//"/coefficients/akf/R/value")//json_text_at(items, c//"/allan/compensated"), "nullnullnull")
    end subroutine test_document_values
 
    subroutine test_csv()

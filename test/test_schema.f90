@@ -25,7 +25,6 @@ module test_schema
    end type place_type
 
    type, extends(description_type) :: schema_type
-      !> The schema that is there
       type(json_item), allocatable :: old(:)
       type(place_type) :: place(999)
       integer :: places = 0
@@ -117,7 +116,7 @@ contains
    end subroutine test_small
 
    !> Notes what was seen at a path, and where it leads.
-   integer function place_of(self, path, kind, may_be_null) result(i)
+   recursive integer function place_of(self, path, kind, may_be_null) result(i)
       class(schema_type), intent(inout) :: self
       character(*), intent(in) :: path, kind
       logical, intent(in) :: may_be_null
@@ -170,50 +169,41 @@ contains
       self%depth = self%depth - 1
    end subroutine end_group
 
+   !> A value; a real may be NaN, and null.
    subroutine see_value(self, key, value)
       class(schema_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value
-
-      call see(self, path_of(self, key), value, self%member%may_be_null)
-   end subroutine see_value
-
-   !> A value; a real may be NaN, and null.
-   subroutine see(self, path, value, may_be_null)
-      class(schema_type), intent(inout) :: self
-      character(*), intent(in) :: path
-      class(*), intent(in) :: value
-      logical, intent(in) :: may_be_null
       character(7) :: kind
+      logical :: number
       integer :: i
 
+      number = .false.
+      kind = ""
       select type (value)
       type is (real(dp)); kind = "number"
       type is (logical); kind = "boolean"
       type is (character(*)); kind = "string"
-      type is (unknown_type); kind = ""
+      type is (unknown_type); number = value%number
       class default; kind = "integer"
       end select
-      i = place_of(self, path, kind, may_be_null .or. kind == "number" .or. kind == "")
-      select type (value)
-      type is (unknown_type); self%place(i)%number = self%place(i)%number .or. value%number
-      end select
-   end subroutine see
+      i = place_of(self, path_of(self, key), kind, self%member%may_be_null .or. any(kind == ["number", "      "]))
+      self%place(i)%number = self%place(i)%number .or. number
+   end subroutine see_value
 
    subroutine see_values(self, key, value)
       class(schema_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value(:)
-      character(:), allocatable :: path
-      integer :: i
 
-      i = place_of(self, path_of(self, key), "array", self%member%may_be_null)
-      path = self%place(i)%path//"/items"
+      call self%begin(key, .true.)
+      self%member%may_be_null = .false.
       select type (value)
-      type is (real(dp)); call see(self, path, 0.0_dp, .false.)
-      type is (text_type); call see(self, path, "", .false.)
-      class default; call see(self, path, 0, .false.)
+      type is (real(dp)); call self%value("", 0.0_dp)
+      type is (text_type); call self%value("", "")
+      class default; call self%value("", 0)
       end select
+      call self%close()
    end subroutine see_values
 
    !> The whole schema.
@@ -257,8 +247,9 @@ contains
             if (wrong == "" .and. (kind == "" .or. (json_at(self%old, path//"/description") == 0 .and. &
                 index(path, "/properties/", back=.true.) > index(path, "/items", back=.true.)))) wrong = path
             do k = 1, self%places
-               if (self%place(k)%path == path//"/items") call write_named("items", k)
-               if (self%place(k)%path == path//"/additionalProperties") call write_named("additionalProperties", k)
+               if (all(self%place(k)%path /= path//[character(21) :: "/items", "/additionalProperties"])) cycle
+               call add_fact(self%place(k)%path(len(path) + 2:), "")
+               call write_place(self, k, depth, text, wrong)
             end do
             if (wrong == "" .and. kind == "array" .and. index(text, '"items": ', back=.true.) < start) wrong = path//"/items"
             call write_children("/properties")
@@ -296,14 +287,6 @@ contains
             call add_fact(names(n), fact)
          end do
       end subroutine write_facts
-
-      subroutine write_named(name, k)
-         character(*), intent(in) :: name
-         integer, intent(in) :: k
-
-         call add_fact(name, "")
-         call write_place(self, k, depth, text, wrong)
-      end subroutine write_named
 
       !> The names of those that are always there, and all; nothing where there are none.
       subroutine write_children(part)

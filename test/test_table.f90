@@ -85,6 +85,7 @@ contains
       end do
    end subroutine test_colours
 
+   !> Widths are those of characters, not of bytes.
    subroutine test_lines()
       type(writer_type) :: writer
       type(table_type) :: table
@@ -94,12 +95,12 @@ contains
                  cell_line("a", 2)//"|"//cell_line("a", 1), "bc|a||a")
       call new_table(table, 3)
       call add_row(table, "", "x", "y;z")
-      call add_row(table, "a", "12.5"//lf//"+/- 1")
+      call add_row(table, char(194)//char(176), "12.5"//lf//"+/- 1")
       call add_cell(table, "7")
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)
-      call check(error, text, "         x  y;z"//lf//"  a   12.5    7"//lf//"     +/- 1"//lf)
+      call check(error, text, "         x  y;z"//lf//"  "//char(194)//char(176)//"   12.5    7"//lf//"     +/- 1"//lf)
    end subroutine test_lines
 
    !> What does not fit goes on below, with the first column again.
