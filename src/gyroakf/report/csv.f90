@@ -174,7 +174,7 @@ contains
                if (.not. is%correlation) cycle
                n = correlation%lags
                lag = [(i, i=1, n)]
-               call put_lines_of(name, [real(lag, dp), correlation%acf(lag), &
+               call add_rows(name, [real(lag, dp), correlation%acf(lag), &
                                     where_known(correlation%pacf(lag), &
                                                 lag <= correlation%partial_lags), &
                                     correlation%limit(lag), correlation%ljung_box(lag), &
@@ -182,11 +182,11 @@ contains
                                     real(correlation%pairs(lag), dp)], 8)
             case ("spectrum.csv")
                if (.not. is%spectrum) cycle
-               call put_lines_of(name, [welch%frequency, welch%density, welch%lower, welch%upper, &
+               call add_rows(name, [welch%frequency, welch%density, welch%lower, welch%upper, &
                                     welch%one_sided, welch%edf], 6)
             case default
                if (.not. (is%ar .and. channel%ar%stationary)) cycle
-               call put_lines_of(name, [frequency, (ar_spectrum(channel%ar, frequency(i), interval), &
+               call add_rows(name, [frequency, (ar_spectrum(channel%ar, frequency(i), interval), &
                                                 i=0, frequency_steps)], 2)
             end select
          end associate
@@ -206,7 +206,7 @@ contains
       end subroutine put_numbers
 
       !> Lines of names and numbers.
-      subroutine put_lines_of(names, values, columns)
+      subroutine add_rows(names, values, columns)
          character(*), intent(in) :: names
          !> Column after column
          real(dp), intent(in) :: values(:)
@@ -218,7 +218,7 @@ contains
             call put_numbers(values(i::size(values)/columns))
             call put_line(writer, "")
          end do
-      end subroutine put_lines_of
+      end subroutine add_rows
 
       !> The curves of every series, with the model where one was fitted; it is not positive where
       !> the fit says nothing.
@@ -246,7 +246,7 @@ contains
          type(allan_curve_type), intent(in) :: curve
          real(dp), intent(in) :: model(:)
 
-         call put_lines_of(name//","//trim(stage_names(which))//","//trim(curve%kind), &
+         call add_rows(name//","//trim(stage_names(which))//","//trim(curve%kind), &
                        [curve%tau, curve%deviation, curve%lower, curve%upper, curve%edf, &
                         real(curve%terms, dp), where_known(model, model > 0.0_dp)], 7)
       end subroutine put_curve

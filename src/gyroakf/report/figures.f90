@@ -72,7 +72,7 @@ contains
       type(named_figure_type), allocatable :: built(:)
       type(record_type) :: view
       character(:), allocatable :: suffix
-      integer :: c, i, n
+      integer :: c, i, n, alike
 
       allocate (built(1 + size(figure_kinds)*size(result%channel)))
       n = 1
@@ -80,9 +80,9 @@ contains
          call view_channel(record, c, view)
          ! where two names are alike their number stands behind them
          suffix = if_known(size(result%channel) > 1, "-"//plain(result%channel(c)%name))
-         if (count([(plain(result%channel(i)%name) == plain(result%channel(c)%name), &
-                     i=1, size(result%channel))]) > 1) &
-            suffix = suffix//"-"//count_text(int(c, int64))
+         alike = count([(plain(result%channel(i)%name) == plain(result%channel(c)%name), &
+                         i=1, size(result%channel))])
+         if (alike > 1) suffix = suffix//"-"//count_text(int(c, int64))
          do i = 1, size(figure_kinds)
             associate (channel => result%channel(c), figure => built(n)%figure)
                select case (figure_kinds(i))

@@ -112,9 +112,11 @@ contains
          call put_remarks(writer, command, record, result)
          if (with_allan) then
             call put_answer(writer, record, result)
-            if (any([(result%channel(c)%allan(stage%input)%fitted, c=1, size(result%channel))])) &
+            if (any([(result%channel(c)%allan(stage%input)%fitted, &
+                      c=1, size(result%channel))])) then
                call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "// &
                                   minimum_note())
+            end if
          else if (command /= "ar" .or. size(result%channel) > 1) then
             call put_overview(writer, command, record, result)
          end if

@@ -138,8 +138,8 @@ contains
       text = number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
              number(seconds, 7)//" s"
       if (seconds >= 7200.0_dp) text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
-      if (seconds >= 120.0_dp .and. seconds < 7200.0_dp) &
-         text = text//" ("//number(seconds/60.0_dp, 4)//" min)"
+      if (seconds >= 120.0_dp .and. seconds < 7200.0_dp) text = text//" ("// &
+         number(seconds/60.0_dp, 4)//" min)"
    end function rate_text
 
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.

@@ -12,8 +12,8 @@ module gyroakf_report_number_text
    use gyroakf_io_place, only : count_text => integer_text
    implicit none (type, external)
    private
-   public :: number, rounded, scientific, fixed, count_text, p_value_text, plural, percent, if_known, &
-      to_unicode
+   public :: number, rounded, scientific, fixed, count_text, p_value_text, plural, percent, &
+      if_known, to_unicode
 
    !> All signs but roots and squares
    character(10), parameter :: ascii(*) = [character(10) :: "+/-", "+-", "<=", ">=", "chi-square", &

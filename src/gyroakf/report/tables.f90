@@ -165,11 +165,11 @@ contains
          call add_series("cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
          if (is%kf) call add_filter("KF (paper)", channel%kf, channel%kf_figures)
          if (is%akf) call add_filter("AKF (paper)", channel%akf, channel%akf_figures)
-         if (channel%drift%found .and. is%preprocess) &
-            call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
+         if (channel%drift%found .and. is%preprocess) call add_series("no outliers", &
+            channel%level%mean, channel%level%variance, "100 %")
          if (is%drift_kf) call add_filter("drift KF", channel%drift_kf, channel%drift_kf_figures)
-         if (is%drift_akf) &
-            call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
+         if (is%drift_akf) call add_filter("drift AKF", channel%drift_akf, &
+                                           channel%drift_akf_figures)
          if (is%drift_smoother) then
             call add_filter("smoother", channel%drift_smoother, channel%drift_smoother_figures)
             call add_series("compensated", channel%compensated%mean, &

@@ -41,8 +41,8 @@ contains
             if (unit_of(result%channel(last + 1)) /= unit_of(result%channel(first))) exit
             last = last + 1
          end do
-         if (any(fitted(first:last))) &
-            call put_group(writer, record, result%channel(first:last), first)
+         if (any(fitted(first:last))) call put_group(writer, record, &
+                                                     result%channel(first:last), first)
       end do
       if (.not. any(fitted)) return
       call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld")

@@ -100,8 +100,9 @@ contains
       character(remark_length) :: text
 
       text = ""
-      if (channel%available%ljung_box .and. whiteness_word(channel%ljung_box) == "colored") &
-         text = "the samples are correlated: the p-value is too small"
+      if (.not. channel%available%ljung_box) return
+      if (whiteness_word(channel%ljung_box) == "colored") text = "the samples are correlated: "// &
+         "the p-value is too small"
    end function correlation_caution
 
    !> What Fisher's test says.
@@ -135,8 +136,8 @@ contains
             " samples"
          if (drift%block > 1) write (text(len_trim(text) + 1:), "(a, i0, a)") &
             ", the slowest processes from means of ", drift%block, " samples over the whole record"
-         if (.not. drift%errors_known .and. drift%model%count > 0) &
-            text = trim(text)//"; standard errors are not known"
+         if (.not. drift%errors_known .and. drift%model%count > 0) text = trim(text)// &
+            "; standard errors are not known"
       end associate
    end function drift_source_text
 
