@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Reads a JSON text (RFC 8259, strict) into a flat list of paths, looks values up, compares a document with a schema.
+!> Reads a JSON text (RFC 8259, strict) into a flat list of paths, looks values up.
 !>
 !> The path of a member is that of its parent, "/", and its key or its number from 0: "/channels/0/ar/order".
 module json_reader
@@ -8,7 +8,7 @@ module json_reader
    use gyroakf_utf8, only : sequence_length
    implicit none (type, external)
    private
-   public :: json_item, read_json, json_at, json_real, json_text_at, check_schema, file_text
+   public :: json_item, read_json, json_at, json_real, json_text_at, file_text
 
    !> One value
    type :: json_item
@@ -293,71 +293,6 @@ contains
       read (text, *, iostat=stat) json_real
       if (stat /= 0) json_real = -huge(json_real)
    end function json_real
-
-   !> Compares the document at a path with the schema at a path: types, no key more and no key less; `wrong` is "" where
-   !> they agree.
-   recursive subroutine check_schema(schema, schema_path, document, path, wrong)
-      type(json_item), intent(in) :: schema(:), document(:)
-      character(*), intent(in) :: schema_path, path
-      character(:), allocatable, intent(inout) :: wrong
-      character(:), allocatable :: rule, text, key, part
-      integer :: i
-
-      if (len(wrong) > 0) return
-      rule = json_text_at(schema, schema_path//"/$ref")
-      if (len(rule) > 0) then
-         call check_schema(schema, rule(3:len(rule) - 1), document, path, wrong)
-         return
-      end if
-      text = json_text_at(document, path)
-      if (.not. allows(schema, schema_path//"/type", text)) wrong = path//": "//text
-      part = merge("/properties", "/items     ", text == "{")
-      do i = 1, size(document)
-         if (.not. is_child(document(i)%path, path)) cycle
-         key = document(i)%path(len(path) + 1:)
-         if (text == "[") key = ""
-         if (json_at(schema, schema_path//trim(part)//key) == 0) wrong = document(i)%path//" is not in the schema"
-         call check_schema(schema, schema_path//trim(part)//key, document, document(i)%path, wrong)
-      end do
-      do i = 1, size(schema)
-         if (text /= "{" .or. .not. is_child(schema(i)%path, schema_path//"/properties")) cycle
-         key = schema(i)%path(len(schema_path//"/properties") + 1:)
-         if (json_at(document, path//key) == 0) wrong = path//key//" is not in the document"
-      end do
-   end subroutine check_schema
-
-   !> The path is one step below the parent.
-   pure logical function is_child(path, parent)
-      character(*), intent(in) :: path, parent
-
-      is_child = .false.
-      if (len(path) <= len(parent) + 1) return
-      if (path(:len(parent)) /= parent .or. path(len(parent) + 1:len(parent) + 1) /= "/") return
-      is_child = index(path(len(parent) + 2:), "/") == 0
-   end function is_child
-
-   !> The type at a path of the schema allows a token.
-   logical function allows(schema, path, token)
-      type(json_item), intent(in) :: schema(:)
-      character(*), intent(in) :: path, token
-      character(:), allocatable :: name
-      integer :: i
-
-      select case (token(1:1))
-      case ("{"); name = '"object"'
-      case ("["); name = '"array"'
-      case ('"'); name = '"string"'
-      case ("n"); name = '"null"'
-      case ("t", "f"); name = '"boolean"'
-      case default; name = '"number"'
-      end select
-      allows = .false.
-      do i = 1, size(schema)
-         if (schema(i)%path /= path .and. .not. is_child(schema(i)%path, path)) cycle
-         if (schema(i)%text == name) allows = .true.
-         if (name == '"number"' .and. schema(i)%text == '"integer"' .and. scan(token, ".eE") == 0) allows = .true.
-      end do
-   end function allows
 
    !> The whole content of a file, "" where it cannot be read.
    function file_text(path) result(text)

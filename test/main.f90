@@ -24,7 +24,6 @@ program test_main
    use test_audit, only : suite_audit
    use test_auto_outliers, only : suite_auto_outliers
    use test_cadence, only : suite_cadence
-   use test_report_models, only : suite_report_models
    use test_resample, only : suite_resample
    use test_autocovariance, only : suite_autocovariance, suite_levinson
    use test_burg, only : suite_burg
@@ -73,6 +72,7 @@ program test_main
    use test_text_rows, only : suite_text_rows, suite_store
    use test_record_writer, only : suite_record_writer, suite_columns_writer
    use test_report, only : suite_report
+   use test_schema, only : suite_schema
    use test_sage_husa, only : suite_sage_husa
    use test_selftest, only : suite_selftest, suite_release
    use test_simulate, only : suite_simulate
@@ -116,7 +116,6 @@ program test_main
    call add("audit", suite_audit)
    call add("auto_outliers", suite_auto_outliers)
    call add("cadence", suite_cadence)
-   call add("report_models", suite_report_models)
    call add("resample", suite_resample)
    call add("autocovariance", suite_autocovariance)
    call add("burg", suite_burg)
@@ -173,6 +172,7 @@ program test_main
    call add("record_writer", suite_record_writer)
    call add("release", suite_release)
    call add("report", suite_report)
+   call add("schema", suite_schema)
    call add("sage_husa", suite_sage_husa)
    call add("selftest", suite_selftest)
    call add("simulate", suite_simulate)

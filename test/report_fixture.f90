@@ -137,7 +137,6 @@ contains
          drift%errors_known = .true.
          drift%white_std = 0.005_dp
          drift%drift_std = 1.0e-5_dp
-         drift%samples = 8
          drift%samples = 12
          drift%of_samples = 12
          drift%chosen = 2
@@ -189,7 +188,6 @@ contains
       channel%whitened = "the residuals of AR(1)"
       channel%fisher_frequency = 1.25_dp
       channel%periodicity%fisher%statistic = 0.3_dp
-      channel%periodicity%fisher%ordinates = 5
       channel%periodicity%fisher%p_value = 0.004_dp
       channel%spectrum%frequency = [0.0_dp, 1.25_dp, 2.5_dp]
       channel%spectrum%density = [1.0e-5_dp, 2.0e-5_dp, 3.0e-5_dp]
@@ -213,13 +211,10 @@ contains
       channel%halves%statistic = 60
       channel%halves%freedom = 2
       channel%halves%p_value = 1e-13_dp
-      channel%halves%changed = .true.
       channel%halves%tau = [0.2_dp, 0.4_dp]
       channel%halves%ratio = [1.12_dp, 1.08_dp]
       channel%halves%lower = [1.08_dp, 1.04_dp]
       channel%halves%upper = [1.16_dp, 1.12_dp]
-      channel%halves%score = [6.0_dp, 4.0_dp]
-      channel%halves%differs = [.true., .true.]
    end subroutine fill_halves
 
    subroutine fill_series(channel)
@@ -269,7 +264,6 @@ contains
       channel%kpss%critical = [0.347_dp, 0.463_dp, 0.574_dp, 0.739_dp]
       channel%kpss%lags = 2
       channel%kpss%observations = 11
-      channel%kpss%variance = 4.0_dp
       channel%kpss%drift = 0.1_dp
    end subroutine fill_series
 
@@ -294,22 +288,17 @@ contains
 
    subroutine fill_model(channel)
       type(channel_result_type), intent(inout) :: channel
-      integer :: i
 
       channel%available%ar = .true.
       channel%ar%order = 1
-      channel%ar%samples = 12
       channel%ar%coefficient = [0.41_dp]
       channel%ar%std_error = [0.0083_dp]
       channel%ar%noise_variance = 4.36e-4_dp
-      channel%ar%variance = 5.24e-4_dp
       allocate (channel%ar%table(0:3))
-      do i = 0, 3
-         channel%ar%table(i)%order = i
-         channel%ar%table(i)%noise_variance = 4.36e-4_dp
-         channel%ar%table(i)%aic = -58800.123_dp - i
-         channel%ar%table(i)%aic_per_observation = -4.9000123_dp
-      end do
+      channel%ar%table%order = [0, 1, 2, 3]
+      channel%ar%table%noise_variance = 4.36e-4_dp
+      channel%ar%table%aic = -58800.123_dp - channel%ar%table%order
+      channel%ar%table%aic_per_observation = -4.9000123_dp
       channel%predictable_percent = 16.8_dp
    end subroutine fill_model
 
@@ -324,7 +313,6 @@ contains
       filter%q = 4.36e-4_dp
       filter%r = 5.24e-4_dp
       filter%forgetting = 0.98_dp
-      filter%steps = 12
       filter%nis_low = 0.98_dp
       filter%nis_high = 1.02_dp
       filter%ljung_box%statistic = 700
@@ -344,7 +332,6 @@ contains
       associate (allan => channel%allan(which))
          allan%available = .true.
          allan%fitted = .true.
-         allan%curve%m = [1_int64, 2_int64]
          allan%curve%tau = [0.2_dp, 0.4_dp]
          allan%curve%deviation = [0.02_dp, 0.0141_dp]*shrink(which)
          allan%curve%lower = 0.9_dp*allan%curve%deviation

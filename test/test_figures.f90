@@ -8,8 +8,7 @@ module test_figures
    use gyroakf_pipeline_result, only : stage
    use gyroakf_io_writer, only : make_directory, writer_type
    use gyroakf_record, only : add_text, record_type, text_type
-   use gyroakf_report_figure_series, only : max_blocks
-   use gyroakf_report_figures, only : build_figures, named_figure_type
+   use gyroakf_report_figures, only : build_figures, max_blocks, named_figure_type
    use gyroakf_report_files, only : foreign_result, result_files, write_results
    use gyroakf_report_svg, only : figure_type, has_points, write_svg
    use gyroakf_report_svg_series, only : series_type

@@ -4,7 +4,7 @@ module test_table
    use expectations, only : test, error, check
    use gyroakf_io_writer, only : writer_type
    use gyroakf_report_text_layout, only : put_heading, put_item, put_paragraph, report_width
-   use gyroakf_report_sign, only : to_unicode
+   use gyroakf_report_number_text, only : to_unicode
    use gyroakf_report_text_table, only : add_cell, add_row, cell_line, new_table, put_table, &
       & table_type
    use report_fixture, only : begin_text, end_text, fill_drift, make_record, make_result
@@ -71,8 +71,7 @@ contains
       call put_paragraph(writer, repeat("x", 72)//" 1 +/- 2")
       call end_text(writer, text)
       call check(error, text, "           σ²"//lf//"  gx  1 ± 0.1"//lf//"        sigma^2"//lf//"  gx  1 +/- 0.1"//lf// &
-                 lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf// &
-                 "  "//repeat("x", 72)//" 1 ± 2"//lf)
+                 lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf//"  "//repeat("x", 72)//" 1 ± 2"//lf)
    end subroutine test_layout
 
    !> Bold headings, a yellow warning, a red failure; without colours no byte of them.
@@ -96,6 +95,7 @@ contains
       end do
    end subroutine test_colours
 
+   !> Widths are those of characters, not of bytes.
    subroutine test_lines()
       type(writer_type) :: writer
       type(table_type) :: table
@@ -105,12 +105,12 @@ contains
                  cell_line("a", 2)//"|"//cell_line("a", 1), "bc|a||a")
       call new_table(table, 3)
       call add_row(table, "", "x", "y;z")
-      call add_row(table, "a", "12.5"//lf//"+/- 1")
+      call add_row(table, char(194)//char(176), "12.5"//lf//"+/- 1")
       call add_cell(table, "7")
       call begin_text(writer)
       call put_table(writer, table)
       call end_text(writer, text)
-      call check(error, text, "         x  y;z"//lf//"  a   12.5    7"//lf//"     +/- 1"//lf)
+      call check(error, text, "         x  y;z"//lf//"  "//char(194)//char(176)//"   12.5    7"//lf//"     +/- 1"//lf)
    end subroutine test_lines
 
    !> What does not fit goes on below, with the first column again.

@@ -1,19 +1,22 @@
 ! SPDX-License-Identifier: MIT
-!> Allan deviations drawn in characters: both axes logarithmic, points with their limits, the fitted
-!> model, and how steep the slopes -1/2 (white noise), 0 (bias instability) and +1/2 (random walk)
-!> are in this picture.
+!> The Allan deviations of a result in characters: both axes logarithmic, points with their limits,
+!> the fitted model, and how steep the slopes -1/2 (white noise), 0 (bias instability) and +1/2
+!> (random walk) are in this picture.
 module gyroakf_report_chart
    use gyroakf_kinds, only : dp
-   use gyroakf_record, only : text_type
+   use gyroakf_io_writer, only : put_line, writer_type
+   use gyroakf_pipeline_result, only : pipeline_result_type, stage
+   use gyroakf_record, only : record_type, text_type, view_channel
    use gyroakf_report_axis, only : axis_type, find_ticks, is_shown, position, set_range, tick_type
-   use gyroakf_report_number_text, only : if_known
-   use gyroakf_report_text_layout, only : pad_left
+   use gyroakf_report_figure_allan, only : alike_channels
+   use gyroakf_report_input, only : unit_name, time_unit
+   use gyroakf_report_text_layout, only : if_known, pad_left, put_heading
    implicit none (type, external)
    private
-   public :: draw_chart, chart_columns, chart_rows
+   public :: put_chart, draw_chart, chart_columns, chart_rows
 
-   !> Characters of the area inside the axes, rows where no number is given
-   integer, parameter :: chart_columns = 62, chart_rows = 16
+   !> Characters of the area inside the axes, rows where no number is given, rows in a report
+   integer, parameter :: chart_columns = 62, chart_rows = 16, report_rows = 9
    !> Characters before the axis
    integer, parameter :: label_width = 9
    !> Dots between labels, four times as many across
@@ -24,6 +27,83 @@ module gyroakf_report_chart
    integer, parameter :: nothing = 0, bar = 256, letter = 1000
 
 contains
+
+   !> The Allan deviation of a single channel with its limits and the fit; of several those that
+   !> have the unit of the first, a letter each.
+   subroutine put_chart(writer, record, result)
+      type(writer_type), intent(inout) :: writer
+      !> For units and rate
+      type(record_type), intent(in) :: record
+      !> Nothing is drawn where it has no Allan deviation
+      type(pipeline_result_type), intent(in) :: result
+      type(text_type), allocatable :: lines(:)
+      type(record_type) :: first
+      character(:), allocatable :: legend
+      real(dp), allocatable :: tau(:), deviation(:), lower(:), upper(:), model(:)
+      character(1), allocatable :: mark(:)
+      character(1) :: letters(size(result%channel))
+      logical :: drawn(size(result%channel))
+      integer :: c, i
+
+      drawn = alike_channels(record, result, 1)
+      call choose_letters(result, drawn, letters)
+      allocate (tau(0), deviation(0), mark(0))
+      legend = ""
+      do c = 1, size(drawn)
+         if (.not. drawn(c)) cycle
+         legend = legend//", "//letters(c)//" "//result%channel(c)%name
+         associate (curve => result%channel(c)%allan(stage%input)%curve)
+            tau = [tau, curve%tau]
+            deviation = [deviation, curve%deviation]
+            mark = [character(1) :: mark, (letters(c), i=1, size(curve%tau))]
+         end associate
+      end do
+      lower = deviation
+      upper = deviation
+      model = 0*tau
+      if (size(drawn) == 1 .and. all(drawn)) then
+         associate (allan => result%channel(1)%allan(stage%input))
+            legend = ", o measured, | limits"//if_known(allan%fitted, ", . fitted")
+            lower = allan%curve%lower
+            upper = allan%curve%upper
+            if (allan%fitted) model = allan%noise%model
+         end associate
+      end if
+      call draw_chart(tau, deviation, lower, upper, writer%unicode, lines, model, report_rows, mark)
+      if (size(lines) == 0) return
+      call view_channel(record, 1, first)
+      call put_heading(writer, "Allan deviation in "//unit_name(first)//" against tau in "// &
+                       time_unit(record)//": "//legend(3:))
+      do i = 1, size(lines)
+         call put_line(writer, lines(i)%text)
+      end do
+   end subroutine put_chart
+
+   !> The last letter of each channel's name, where these differ; else a, b, c, ...; o of a single
+   !> channel.
+   pure subroutine choose_letters(result, drawn, letters)
+      type(pipeline_result_type), intent(in) :: result
+      !> The channels in the chart: [channel]
+      logical, intent(in) :: drawn(:)
+      character(1), intent(out) :: letters(:)
+      integer :: i
+      logical :: usable
+
+      letters = " "
+      usable = .true.
+      do i = 1, size(drawn)
+         if (.not. drawn(i)) cycle
+         associate (name => result%channel(i)%name)
+            if (len(name) > 0) letters(i) = name(len(name):)
+         end associate
+         usable = usable .and. letters(i) > " " .and. letters(i) < achar(127) .and. &
+            count(letters(:i) == letters(i)) == 1
+      end do
+      do i = 1, size(drawn)
+         if (.not. usable) letters(i) = achar(iachar("a") + modulo(count(drawn(:i)) - 1, 26))
+      end do
+      if (size(drawn) == 1) letters = "o"
+   end subroutine choose_letters
 
    !> Draws a curve; what is not a positive number is left out. No lines where nothing is left.
    subroutine draw_chart(tau, deviation, lower, upper, unicode, lines, model, rows, mark)
@@ -79,9 +159,8 @@ contains
 
    contains
 
-      !> Sets a dot where nothing but dots is.
+      !> Sets a dot, counted from the left and from the top, where nothing but dots is.
       subroutine set_dot(across, down)
-         !> Dots from the left and from the top
          integer, intent(in) :: across, down
          integer, parameter :: bits(0:dots_across - 1, 0:dots_down - 1) = &
             reshape([0, 3, 1, 4, 2, 5, 6, 7], [dots_across, dots_down])
@@ -147,8 +226,7 @@ contains
          character(16) :: labels(0:height - 1)
          type(tick_type), allocatable :: tick(:)
          logical :: is_tick(0:chart_columns - 1)
-         integer :: row, column, i
-         integer :: first, last
+         integer :: row, column, i, first, last
 
          allocate (lines(height + 2))
          labels = ""
@@ -192,7 +270,6 @@ contains
    !> The dot of a value, at the border where it is beyond.
    pure integer function dot_of(axis, value)
       type(axis_type), intent(in) :: axis
-      !> One that can be shown
       real(dp), intent(in) :: value
 
       dot_of = nint(max(min(axis%from, axis%to), &

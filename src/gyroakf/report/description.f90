@@ -26,6 +26,8 @@ module gyroakf_report_description
       !> Of each value of a list
       real(dp), allocatable :: std_errors(:)
       logical :: shown = .true.
+      !> A description says of what it depends whether it is known
+      logical :: may_be_null = .false.
    end type member_type
 
    !> The value of what is not known
@@ -47,8 +49,8 @@ module gyroakf_report_description
       procedure, non_overridable :: open => open_group
       !> Ends the group or list that was begun last
       procedure(end_group), deferred :: close
-      !> Begins a group that may be missing, `opens(key, known, title, shown)`: a member without a
-      !> value where it is not known
+      !> Begins a group that may be missing, `opens(key, known, title, shown, list)`: a member
+      !> without a value where it is not known
       procedure, non_overridable :: opens
       !> A sentence for people, `remark(text)`: a verdict on the values that follow, or what to mind
       !> about those before
@@ -102,39 +104,40 @@ module gyroakf_report_description
 contains
 
    !> Notes how the next member is shown.
-   pure subroutine set_member(member, title, unit, std_error, std_errors, shown)
+   pure subroutine set_member(member, title, unit, std_error, std_errors, shown, known)
       type(member_type), intent(out) :: member
       character(*), intent(in), optional :: title, unit
       real(dp), intent(in), optional :: std_error, std_errors(:)
-      logical, intent(in), optional :: shown
+      logical, intent(in), optional :: shown, known
 
       if (present(title)) member%title = title
       if (present(unit)) member%unit = unit
       if (present(std_error)) member%std_error = std_error
       if (present(std_errors)) member%std_errors = std_errors
       if (present(shown)) member%shown = shown
+      member%may_be_null = present(known)
    end subroutine set_member
 
-   subroutine open_group(self, key, title, shown, list)
+   subroutine open_group(self, key, title, shown, list, known)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown, list
+      logical, intent(in), optional :: shown, list, known
 
-      call set_member(self%member, title, shown=shown)
+      call set_member(self%member, title, shown=shown, known=known)
       call self%begin(key, present(list))
    end subroutine open_group
 
    !> Whether the group is begun.
-   logical function opens(self, key, known, title, shown)
+   logical function opens(self, key, known, title, shown, list)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       logical, intent(in) :: known
       character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown
+      logical, intent(in), optional :: shown, list
 
       opens = known .or. self%complete
-      if (opens) call self%open(key, title, shown)
+      if (opens) call self%open(key, title, shown, list, known)
       if (.not. opens) call self%put(key)
    end function opens
 
@@ -150,45 +153,38 @@ contains
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in), optional :: value
-      logical, intent(in), optional :: known
-      character(*), intent(in), optional :: unit
+      logical, intent(in), optional :: known, shown
+      character(*), intent(in), optional :: unit, title
       real(dp), intent(in), optional :: std_error
-      character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown
       type(unknown_type) :: nothing
       logical :: given
 
-      call set_member(self%member, title, unit, std_error, shown=shown)
+      call set_member(self%member, title, unit, std_error, shown=shown, known=known)
       given = present(value)
-      if (present(known)) given = given .and. known
       if (given) then
-         call self%value(key, value)
-      else if (.not. self%for_people) then
-         if (present(value)) then
-            select type (value)
-            type is (character(*))
-            type is (logical)
-            class default; nothing%number = .true.
-            end select
-         end if
-         call self%value(key, nothing)
+         select type (value)
+         type is (character(*))
+         type is (logical)
+         class default; nothing%number = .true.
+         end select
+         if (present(known)) given = known
       end if
+      if (given) call self%value(key, value)
+      if (.not. (given .or. self%for_people)) call self%value(key, nothing)
    end subroutine put_value
 
    subroutine put_values(self, key, value, known, std_errors, title, shown)
       class(description_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value(:)
-      logical, intent(in), optional :: known
+      logical, intent(in), optional :: known, shown
       real(dp), intent(in), optional :: std_errors(:)
       character(*), intent(in), optional :: title
-      logical, intent(in), optional :: shown
-
       logical :: given
 
       given = .true.
       if (present(known)) given = known
-      call set_member(self%member, title, std_errors=std_errors, shown=shown)
+      call set_member(self%member, title, std_errors=std_errors, shown=shown, known=known)
       if (given) call self%values(key, value)
       if (.not. given) call self%put(key)
    end subroutine put_values

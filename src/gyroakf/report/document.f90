@@ -18,10 +18,7 @@ module gyroakf_report_document
    use gyroakf_report_document_filters, only : put_drift, put_filters
    implicit none (type, external)
    private
-   public :: write_document, put_document, gather_warnings, schema_number
-
-   !> Keys are never renamed within a schema
-   integer, parameter :: schema_number = 1
+   public :: write_document, put_document, gather_warnings
 
 contains
 
@@ -29,7 +26,6 @@ contains
    subroutine write_document(writer, record, result, command_line)
       !> Open
       type(writer_type), intent(inout), target :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       !> What came out; absent: "channels" is empty
       type(pipeline_result_type), intent(in), optional :: result
@@ -53,7 +49,7 @@ contains
       integer :: c
 
       call out%open("")
-      call out%put("schema", schema_number)
+      call out%put("schema", 1)               ! keys are never renamed within a schema
       call out%put("program", "gyroakf")
       call out%put("version", release_string)
       call out%put("command_line", command_line)
@@ -156,11 +152,9 @@ contains
 
    !> Warnings of the record, then of the channels, with the name of the channel.
    subroutine gather_warnings(record, warnings, result, notes)
-      !> What was read
       type(record_type), intent(in) :: record
       !> One sentence each
       type(text_type), allocatable, intent(out) :: warnings(:)
-      !> What came out
       type(pipeline_result_type), intent(in), optional :: result
       !> Present: they are the notes instead
       logical, intent(in), optional :: notes

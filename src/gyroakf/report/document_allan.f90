@@ -2,7 +2,6 @@
 !> Allan deviations and noise coefficients of a channel, described: coefficients in the stated unit,
 !> in SI, with what they are the coefficients of.
 module gyroakf_report_document_allan
-   use gyroakf_kinds, only : dp
    use gyroakf_units, only : term_names
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_allan_noise_fit, only : noise_type
@@ -18,9 +17,7 @@ contains
 
    !> "allan".
    subroutine put_allan(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       integer :: which, i
 
@@ -48,23 +45,19 @@ contains
 
    !> "halves": the second half of the record against the first.
    subroutine put_halves(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
 
       if (.not. out%opens("halves", channel%available%halves, &
                           "Second half against the first")) return
-      associate (halves => channel%halves)
-         call out%put("statistic", halves%statistic, title="chi-square")
-         call out%put("freedom", halves%freedom, title="degrees of freedom")
-         call out%put("p_value", halves%p_value)
-         call out%put("tau_s", halves%tau, shown=.false.)
-         call out%put("ratio", halves%ratio, shown=.false.)
-         call out%put("lower", halves%lower, shown=.false.)
-         call out%put("upper", halves%upper, shown=.false.)
-         call out%close()
-      end associate
+      call out%put("statistic", channel%halves%statistic, title="chi-square")
+      call out%put("freedom", channel%halves%freedom, title="degrees of freedom")
+      call out%put("p_value", channel%halves%p_value)
+      call out%put("tau_s", channel%halves%tau, shown=.false.)
+      call out%put("ratio", channel%halves%ratio, shown=.false.)
+      call out%put("lower", channel%halves%lower, shown=.false.)
+      call out%put("upper", channel%halves%upper, shown=.false.)
+      call out%close()
    end subroutine put_halves
 
    !> Members of a curve.
@@ -78,14 +71,12 @@ contains
       call out%put("lower", curve%lower)
       call out%put("upper", curve%upper)
       call out%put("edf", curve%edf)
-      call out%put("terms", real(curve%terms, dp))
+      call out%put("terms", curve%terms)
    end subroutine put_curve
 
    !> "coefficients".
    subroutine put_coefficients(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       integer :: which, term
 
@@ -106,7 +97,6 @@ contains
    !> "lsb_ratio" where the step of the samples is of no account, "density" (N in both conventions)
    !> where rate or unit is not known.
    subroutine put_noise(out, key, title, allan)
-      !> The renderer
       class(description_type), intent(inout) :: out
       !> The series, and what a text calls its coefficients
       character(*), intent(in) :: key, title
@@ -115,7 +105,7 @@ contains
       integer :: term
 
       if (.not. out%opens(key, allan%fitted, title)) return
-      associate (stated => allan%stated, plain => allan%stated%unquantized)
+      associate (stated => allan%stated, plain => allan%stated%unquantized, read => allan%read_off)
          do term = 1, 5
             call put_stated(out, term_names(term), stated%term(term), stated%in_units)
          end do
@@ -125,12 +115,11 @@ contains
          call out%put("chi2_reduced", allan%noise%chi2_reduced, shown=.false.)
          call out%open("read_off", "Read off")
          do term = 1, 5
-            call out%put(term_names(term), allan%read_off%value(term), allan%read_off%found(term))
+            call out%put(term_names(term), read%value(term), read%found(term))
          end do
-         call out%put("minimum", allan%read_off%minimum, allan%read_off%known)
-         call out%put("minimum_tau_s", allan%read_off%minimum_tau, allan%read_off%known, &
-                      title="at tau =")
-         call out%put("falling", allan%read_off%falling, title="falling at the end")
+         call out%put("minimum", read%minimum, read%known)
+         call out%put("minimum_tau_s", read%minimum_tau, read%known, title="at tau =")
+         call out%put("falling", read%falling, title="falling at the end")
          call out%close()
          if (out%opens("density", stated%in_units, "Density of N")) then
             call put_stated(out, "two_sided", stated%density(1), .true.)
@@ -163,17 +152,12 @@ contains
 
    !> A coefficient, or N as a density, in the stated unit and in SI.
    subroutine put_stated(out, key, stated, in_units, title, shown)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> Its letter, or the density's convention
       character(*), intent(in) :: key
-      !> The numbers; null where the term was not fitted
       type(stated_coefficient_type), intent(in) :: stated
       !> Rate and unit are known; the SI numbers are null otherwise
       logical, intent(in) :: in_units
-      !> What a text calls it (default: its letter)
       character(*), intent(in), optional :: title
-      !> A text has it (default: yes)
       logical, intent(in), optional :: shown
       logical :: known
 

@@ -14,9 +14,7 @@ contains
 
    !> "preprocess": null where the record was taken as it is.
    subroutine put_preprocess(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       integer(int64) :: k
 
@@ -59,33 +57,30 @@ contains
 
    !> "normality", "anderson_darling", "quantisation"; null where one is not available.
    subroutine put_distribution(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
 
       call out%put("normality", trim(channel%normality), channel%available%jarque_bera, &
                    shown=.false.)
-      associate (is => channel%available)
+      associate (is => channel%available, test => channel%anderson_darling, &
+                 steps => channel%quantisation)
          if (out%opens("anderson_darling", is%anderson_darling, "Anderson-Darling")) then
-            call out%remark(rejection_text("normality", &
-                                           channel%anderson_darling%p_value < level))
-            call out%put("statistic", channel%anderson_darling%statistic)
-            call out%put("modified", channel%anderson_darling%modified)
-            call out%put("p_value", channel%anderson_darling%p_value)
-            call out%put("distance", channel%anderson_darling%distance)
-            call out%put("samples", channel%anderson_darling%samples)
-            call out%put("stride", channel%anderson_darling%stride)
+            call out%remark(rejection_text("normality", test%p_value < level))
+            call out%put("statistic", test%statistic)
+            call out%put("modified", test%modified)
+            call out%put("p_value", test%p_value)
+            call out%put("distance", test%distance)
+            call out%put("samples", test%samples)
+            call out%put("stride", test%stride)
             call out%close()
          end if
-         if (out%opens("quantisation", is%quantisation, "Quantization", &
-                       channel%quantisation%quantised)) then
-            call out%put("quantised", channel%quantisation%quantised, title="quantized")
-            call out%put("step", channel%quantisation%step)
-            call out%put("step_over_std", channel%quantisation%ratio)
-            call out%put("variance_share", channel%quantisation%variance_share)
-            call out%put("levels", channel%quantisation%levels)
-            call out%put("corrected_std", channel%quantisation%corrected_std)
+         if (out%opens("quantisation", is%quantisation, "Quantization", steps%quantised)) then
+            call out%put("quantised", steps%quantised, title="quantized")
+            call out%put("step", steps%step)
+            call out%put("step_over_std", steps%ratio)
+            call out%put("variance_share", steps%variance_share)
+            call out%put("levels", steps%levels)
+            call out%put("corrected_std", steps%corrected_std)
             call out%close()
          end if
       end associate
@@ -93,9 +88,7 @@ contains
 
    !> "fisher_g".
    subroutine put_fisher(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
 
       if (.not. out%opens("fisher_g", channel%available%periodicity, "Fisher's g")) return
@@ -114,9 +107,7 @@ contains
 
    !> "welch": what spectrum.csv holds.
    subroutine put_welch(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
 
       if (.not. out%opens("welch", channel%available%spectrum, "Spectrum (Welch)")) return

@@ -3,7 +3,6 @@
 module gyroakf_report_document_filters
    use gyroakf_kinds, only : dp
    use gyroakf_filter_components, only : component_model_type
-   use gyroakf_filter_drift_fit, only : drift_candidate_type
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    use gyroakf_report_description, only : description_type
@@ -17,21 +16,18 @@ contains
 
    !> "filters".
    subroutine put_filters(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
 
       call out%open("filters", "Filters")
-      associate (is => channel%available)
-         call put_filter(out, "kf", "KF (paper)", channel%kf, channel%kf_figures, is%kf)
-         call put_filter(out, "akf", "AKF (paper)", channel%akf, channel%akf_figures, is%akf)
-         call put_filter(out, "drift_kf", "Drift KF", channel%drift_kf, channel%drift_kf_figures, &
-                         is%drift_kf)
-         call put_filter(out, "drift_akf", "Drift AKF", channel%drift_akf, &
-                         channel%drift_akf_figures, is%drift_akf)
-         call put_filter(out, "drift_smoother", "Smoother", channel%drift_smoother, &
-                         channel%drift_smoother_figures, is%drift_smoother)
+      associate (is => channel%available, of => channel)
+         call put_filter(out, "kf", "KF (paper)", of%kf, of%kf_figures, is%kf)
+         call put_filter(out, "akf", "AKF (paper)", of%akf, of%akf_figures, is%akf)
+         call put_filter(out, "drift_kf", "Drift KF", of%drift_kf, of%drift_kf_figures, is%drift_kf)
+         call put_filter(out, "drift_akf", "Drift AKF", of%drift_akf, of%drift_akf_figures, &
+                         is%drift_akf)
+         call put_filter(out, "drift_smoother", "Smoother", of%drift_smoother, &
+                         of%drift_smoother_figures, is%drift_smoother)
       end associate
       call out%close()
    end subroutine put_filters
@@ -74,9 +70,7 @@ contains
 
    !> "drift": the model, what speaks for it, and what is left of the record without it.
    subroutine put_drift(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       integer :: i
 
@@ -102,7 +96,7 @@ contains
          call put_errors(out, drift%std_error, drift%model%count, drift%errors_known)
          call out%open("processes", "Processes", list=.true.)
          do i = 1, size(channel%drift_process)
-            associate (process => channel%drift_process(i), known => channel%drift%errors_known)
+            associate (process => channel%drift_process(i), known => drift%errors_known)
                call out%open("")
                call out%put("kind", trim(merge("walk", "ar1 ", process%walk)), title="kind")
                call out%put("drift", process%slow)
@@ -132,27 +126,28 @@ contains
          call out%put("log_likelihood", drift%log_likelihood)
          call out%open("candidates", "Candidates", list=.true.)
          do i = 1, size(drift%candidate)
-            call out%open("")
-            call out%put("name", trim(drift%candidate(i)%name), title="model")
-            call out%put("chosen", i == drift%chosen)
-            call put_model(out, drift%candidate(i)%model)
-            call put_errors(out, drift%candidate(i)%std_error, drift%candidate(i)%model%count, &
-                            drift%candidate(i)%errors_known)
-            call out%put("parameters", drift%candidate(i)%parameters)
-            call out%put("log_likelihood", drift%candidate(i)%log_likelihood)
-            call out%put("aic", drift%candidate(i)%aic, title="AIC")
-            call out%put("bic", drift%candidate(i)%bic, title="BIC")
-            call out%put("converged", drift%candidate(i)%converged)
-            call out%close()
+            associate (tried => drift%candidate(i))
+               call out%open("")
+               call out%put("name", trim(tried%name), title="model")
+               call out%put("chosen", i == drift%chosen)
+               call put_model(out, tried%model)
+               call put_errors(out, tried%std_error, tried%model%count, tried%errors_known)
+               call out%put("parameters", tried%parameters)
+               call out%put("log_likelihood", tried%log_likelihood)
+               call out%put("aic", tried%aic, title="AIC")
+               call out%put("bic", tried%bic, title="BIC")
+               call out%put("converged", tried%converged)
+               call out%close()
+            end associate
          end do
          call out%close()
          call out%put("samples", drift%samples, shown=.false.)
          call out%put("of_samples", drift%of_samples, shown=.false.)
          call out%put("block_samples", drift%block, shown=.false.)
-         call out%put("compensated_mean", channel%compensated%mean, &
-                      channel%available%drift_smoother, shown=.false.)
-         call out%put("compensated_variance", channel%compensated%variance, &
-                      channel%available%drift_smoother, shown=.false.)
+      end associate
+      associate (smoothed => channel%available%drift_smoother, left => channel%compensated)
+         call out%put("compensated_mean", left%mean, smoothed, shown=.false.)
+         call out%put("compensated_variance", left%variance, smoothed, shown=.false.)
       end associate
       call out%close()
    end subroutine put_drift
@@ -171,7 +166,6 @@ contains
    subroutine put_errors(out, std_error, count, known)
       class(description_type), intent(inout) :: out
       type(component_model_type), intent(in) :: std_error
-      !> Processes
       integer, intent(in) :: count
       logical, intent(in) :: known
 

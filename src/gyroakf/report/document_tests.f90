@@ -18,11 +18,9 @@ contains
 
    !> "verdict": null where none was looked for.
    subroutine put_verdict(out, record, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
       !> For the units
       type(record_type), intent(in) :: record
-      !> One channel
       type(channel_result_type), intent(in) :: channel
 
       if (.not. out%opens("verdict", channel%verdict%wanted, "Verdict")) return
@@ -47,9 +45,7 @@ contains
 
    !> "tests".
    subroutine put_tests(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       character(1), parameter :: bound(-1:1) = ["<", "=", ">"]
 
@@ -122,8 +118,7 @@ contains
       call out%put("wanted_lags", adf%wanted_lags, shown=.false.)
       call out%put("level", adf%level)
       call out%put("noise_variance", adf%noise_variance)
-      if (allocated(adf%table)) then
-         call out%open("table", "Regression", list=.true.)
+      if (out%opens("table", allocated(adf%table), "Regression", list=.true.)) then
          do i = 1, size(adf%table)
             call out%open("")
             call out%put("name", trim(adf%table(i)%name), title="coefficient")
@@ -133,15 +128,12 @@ contains
             call out%close()
          end do
          call out%close()
-      else
-         call out%put("table")
       end if
       call out%close()
    end subroutine put_adf
 
    !> A Ljung-Box test.
    subroutine put_ljung_box(out, key, title, test, available)
-      !> The renderer
       class(description_type), intent(inout) :: out
       !> Its key, and what a text calls it
       character(*), intent(in) :: key, title
@@ -162,9 +154,7 @@ contains
 
    !> "ar".
    subroutine put_ar(out, channel)
-      !> The renderer
       class(description_type), intent(inout) :: out
-      !> One channel
       type(channel_result_type), intent(in) :: channel
       integer :: i
 

@@ -8,11 +8,10 @@ module gyroakf_report_figure_allan
       pipeline_result_type, stage
    use gyroakf_record, only : record_type, view_channel
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
-   use gyroakf_report_sign, only : to_unicode
    use gyroakf_report_svg, only : figure_type
    use gyroakf_report_svg_series, only : color_count, series_type
    use gyroakf_report_text_answer, only : coefficient_text
-   use gyroakf_report_text_layout, only : if_known, number, percent
+   use gyroakf_report_text_layout, only : if_known, number, percent, to_unicode
    use gyroakf_coefficient_units, only : coefficient_unit, coefficient_unit_type
    use gyroakf_units, only : term_names
    implicit none (type, external)
@@ -36,7 +35,6 @@ contains
    subroutine build_allan_figure(record, channel, figure)
       !> [[view_channel]] of the channel
       type(record_type), intent(in) :: record
-      !> What came out
       type(channel_result_type), intent(in) :: channel
       !> Ready to be written
       type(figure_type), intent(out) :: figure

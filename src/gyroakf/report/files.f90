@@ -15,14 +15,12 @@ module gyroakf_report_files
       named_figure_type
    use gyroakf_report_html_page, only : write_page
    use gyroakf_report_svg, only : svg_mark, write_svg
-   use gyroakf_report_csv, only : series_output_type, write_series
-   use gyroakf_report_csv_tables, only : write_table
+   use gyroakf_report_csv, only : series_output_type, write_series, write_table
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
    implicit none (type, external)
    private
-   public :: after_dots, is_same_file
    public :: write_results, remove_others, result_files, foreign_result, foreign_file, is_marked, &
-      series_output_type
+      series_output_type, after_dots, is_same_file
 
    !> In the order in which they are written; one of the first three
    character(16), parameter :: result_files(11) = [character(16) :: "series.csv", "series.npy", &
@@ -144,11 +142,9 @@ contains
       character(*), intent(in) :: directory
       !> Which report: run, allan, tests, ar, filter
       character(*), intent(in) :: command
-      !> What was read
       type(record_type), intent(in) :: record
       !> What was asked for
       type(pipeline_options), intent(in) :: options
-      !> What came out
       type(pipeline_result_type), intent(in) :: result
       !> io if a file cannot be written; no file of an earlier run is touched then, unless a rename
       !> failed; no_memory, cancelled

@@ -10,14 +10,13 @@ module gyroakf_report_html_markup
    use gyroakf_utf8, only : sequence_length
    implicit none (type, external)
    private
-   public :: html_heading, html_item, html_paragraph, html_table, close_list
+   public :: html_heading, html_item, html_table, close_list
    public :: put_escaped, put_attribute, put_element, put_lines
 
 contains
 
    !> A heading; what follows it belongs to it.
    subroutine html_heading(writer, text, upper)
-      !> The page
       type(writer_type), intent(inout) :: writer
       !> Any text
       character(*), intent(in) :: text
@@ -33,7 +32,6 @@ contains
 
    !> A label and its text; without a label the text goes on with the item before.
    subroutine html_item(writer, label, text)
-      !> The page
       type(writer_type), intent(inout) :: writer
       !> "" for none; "Warning" is shown as one
       character(*), intent(in) :: label, text
@@ -51,17 +49,6 @@ contains
       end if
       call put_element(writer, "dd", text)
    end subroutine html_item
-
-   !> Text in an element of its own.
-   subroutine html_paragraph(writer, text)
-      !> The page
-      type(writer_type), intent(inout) :: writer
-      !> Any text
-      character(*), intent(in) :: text
-
-      call close_list(writer)
-      call put_element(writer, "p", text)
-   end subroutine html_paragraph
 
    !> A table in a box that scrolls where it is wider than the window; the first cell of a row names
    !> it, an empty one names nothing.
@@ -97,20 +84,18 @@ contains
             if (j <= left) call put(writer, " class=""text""")
             call put(writer, ">")
             feed = index(cell(i, j)%text, new_line("a"))
-            if (feed > 0) call put_escaped(writer, cell(i, j)%text(:feed - 1))
+            call put_escaped(writer, cell(i, j)%text(:feed - 1))
             if (feed > 0) call put(writer, "<br>")
             call put_escaped(writer, cell(i, j)%text(feed + 1:))
             call put(writer, "</"//tag//">")
          end do
          call put_line(writer, "</tr>")
       end do
-      call put_line(writer, merge("</thead>", "</tbody>", size(cell, 1) <= head)// &
-                    "</table></div>")
+      call put_line(writer, merge("</thead>", "</tbody>", size(cell, 1) <= head)//"</table></div>")
    end subroutine html_table
 
    !> Ends the list that is open, if one is.
    subroutine close_list(writer)
-      !> The page
       type(writer_type), intent(inout) :: writer
 
       if (writer%markup%list == "") return
@@ -120,7 +105,6 @@ contains
 
    !> Lines as they are.
    subroutine put_lines(writer, lines)
-      !> The page
       type(writer_type), intent(inout) :: writer
       !> Without their blanks at the end
       character(*), intent(in) :: lines(:)
@@ -133,7 +117,6 @@ contains
 
    !> An element that holds text alone, on a line.
    subroutine put_element(writer, tag, text)
-      !> The page
       type(writer_type), intent(inout) :: writer
       !> Its name; any text
       character(*), intent(in) :: tag, text
@@ -158,7 +141,6 @@ contains
    !> A text as HTML: what would be markup becomes references, what is no UTF-8 or a control
    !> character U+FFFD.
    subroutine put_escaped(writer, text)
-      !> The page
       type(writer_type), intent(inout) :: writer
       !> Any bytes
       character(*), intent(in) :: text
@@ -173,10 +155,9 @@ contains
          case (">"); call put(writer, "&gt;")
          case (""""); call put(writer, "&quot;")
          case ("'"); call put(writer, "&#39;")
+         case (new_line("a")); call put(writer, " ")
          case default
-            if (text(i:i) == new_line("a")) then
-               call put(writer, " ")
-            else if (length == 0 .or. is_control(text(i:i + max(1, length) - 1))) then
+            if (length == 0 .or. is_control(text(i:i + max(1, length) - 1))) then
                call put(writer, "&#xFFFD;")
             else
                call put(writer, text(i:i + length - 1))
@@ -188,7 +169,6 @@ contains
 
    !> A control character that no page may hold: below a blank, delete, U+0080 to U+009F.
    pure logical function is_control(character)
-      !> The bytes of one
       character(*), intent(in) :: character
 
       is_control = iachar(character(1:1)) < 32 .or. iachar(character(1:1)) == 127

@@ -42,17 +42,17 @@ contains
       type(writer_type), intent(inout) :: writer
       !> run, allan, tests, ar, filter
       character(*), intent(in) :: command
-      !> What was read
       type(record_type), intent(in) :: record
-      !> What came out
       type(pipeline_result_type), intent(in) :: result
       !> Of the result: [[build_figures]]
       type(named_figure_type), intent(in) :: figures(:)
       !> As it would be typed
       character(*), intent(in), optional :: command_line
       character(:), allocatable :: path
+      logical :: with_allan
       integer :: c
 
+      with_allan = command == "run" .or. command == "allan"
       path = "(in memory)"
       if (allocated(record%path)) path = record%path
       if (path == "-") path = "standard input"
@@ -98,15 +98,11 @@ contains
          call put_lines(writer, page_head)
          call put_line(writer, "<meta name=""generator"" content=""gyroakf "//release_string//""">")
          call put_element(writer, "title", name//": "//report_subject(command)//" (gyroakf)")
-         call put_line(writer, "<style>")
-         call put_lines(writer, page_style)
-         call put_lines(writer, svg_style)
-         call put_lines(writer, page_top)
+         call put_lines(writer, [character(96) :: "<style>", page_style, svg_style, page_top])
          call put_element(writer, "h1", name)
          call put_element(writer, "p", "gyroakf "//release_string//": "//report_subject(command)// &
                           "; "//path)
-         call put_line(writer, "</header>")
-         call put_line(writer, "<main id=""content"">")
+         call put_lines(writer, [character(19) :: "</header>", "<main id=""content"">"])
       end subroutine begin_page
 
       !> Remarks and the numbers of all channels.
@@ -114,10 +110,10 @@ contains
          call put_element(writer, "h2", "Results")
          writer%markup%heading = "Results"
          call put_remarks(writer, command, record, result)
-         if (command == "run" .or. command == "allan") then
+         if (with_allan) then
             call put_answer(writer, record, result)
-            if (any([(result%channel(c)%allan(stage%input)%fitted, c=1, &
-                      size(result%channel))])) then
+            if (any([(result%channel(c)%allan(stage%input)%fitted, &
+                      c=1, size(result%channel))])) then
                call put_paragraph(writer, "minimum: lowest reliable Allan deviation, "// &
                                   minimum_note())
             end if
@@ -129,7 +125,6 @@ contains
       !> The channel c.
       subroutine put_channel()
          type(record_type) :: view
-         logical :: folded
 
          call view_channel(record, c, view)
          call put(writer, "<section id=""c"//count_text(int(c, int64))//"""")
@@ -138,10 +133,9 @@ contains
          associate (channel => result%channel(c))
             call put_figures("allan")
             call put_figures("series")
-            folded = command == "run" .or. command == "allan"
             call close_list(writer)
-            if (folded) call put(writer, "<details>")
-            if (folded) call put_element(writer, "summary", "Details of "//channel%name)
+            if (with_allan) call put(writer, "<details>")
+            if (with_allan) call put_element(writer, "summary", "Details of "//channel%name)
             call put_figures("filters")
             call put_sections(writer, command, view, channel)
             if (command == "run" .and. channel%allan(stage%input)%available) then
@@ -152,7 +146,7 @@ contains
             end if
          end associate
          call close_list(writer)
-         if (folded) call put_line(writer, "</details>")
+         if (with_allan) call put_line(writer, "</details>")
          call put_line(writer, "</section>")
       end subroutine put_channel
 
@@ -177,8 +171,7 @@ contains
       !> From the end of the content to that of the document.
       subroutine end_page()
          call close_list(writer)
-         call put_line(writer, "</main>")
-         call put_line(writer, "<footer>")
+         call put_lines(writer, [character(8) :: "</main>", "<footer>"])
          call put_element(writer, "h2", "How this page was made")
          call put_line(writer, "<dl>")
          if (present(command_line)) then
@@ -191,9 +184,8 @@ contains
                           compiler_version())
          call put_element(writer, "dt", "Numbers")
          call put_element(writer, "dd", "to their last digit in results.json, beside this page")
-         call put_lines(writer, [character(9) :: "</dl>", "</footer>", "<script>"])
-         call put_lines(writer, page_script)
-         call put_lines(writer, [character(9) :: "</script>", "</body>", "</html>"])
+         call put_lines(writer, [character(96) :: "</dl>", "</footer>", "<script>", page_script, &
+                                 "</script>", "</body>", "</html>"])
       end subroutine end_page
 
    end subroutine write_page

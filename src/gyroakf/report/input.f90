@@ -12,7 +12,7 @@ module gyroakf_report_input
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: report_inspect, put_input, has_unit, unit_name, time_unit
+   public :: report_inspect, put_input, has_unit, unit_name, time_unit, text_or
 
 contains
 
@@ -20,7 +20,6 @@ contains
    subroutine report_inspect(writer, record)
       !> Open; "-" is standard output
       type(writer_type), intent(inout) :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       integer :: i
 
@@ -28,10 +27,8 @@ contains
       call put_input(writer, record)
       if (allocated(record%warnings)) then
          do i = 1, size(record%warnings)
-            associate (warning => record%warnings(i))
-               call put_item(writer, if_known(warning%note, "Note", "Warning"), warning%text, &
-                             verbatim=.true.)
-            end associate
+            call put_item(writer, if_known(record%warnings(i)%note, "Note", "Warning"), &
+                          record%warnings(i)%text, verbatim=.true.)
          end do
       end if
       if (allocated(record%column)) call put_columns(writer, record)
@@ -40,9 +37,7 @@ contains
    !> File, samples, rate, unit, what is missing, what the time stamps show; or only the first of
    !> these in two lines.
    subroutine put_input(writer, record, brief)
-      !> The report
       type(writer_type), intent(inout) :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       !> Present: in two lines
       logical, intent(in), optional :: brief
@@ -142,11 +137,9 @@ contains
       seconds = real(sample_count(record), dp)*record%sample_interval
       text = number(1.0_dp/record%sample_interval, 7)//" Hz"//source(record%rate_source)//"; "// &
              number(seconds, 7)//" s"
-      if (seconds >= 7200.0_dp) then
-         text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
-      else if (seconds >= 120.0_dp) then
-         text = text//" ("//number(seconds/60.0_dp, 4)//" min)"
-      end if
+      if (seconds >= 7200.0_dp) text = text//" ("//number(seconds/3600.0_dp, 4)//" h)"
+      if (seconds >= 120.0_dp .and. seconds < 7200.0_dp) text = text//" ("// &
+         number(seconds/60.0_dp, 4)//" min)"
    end function rate_text
 
    !> "rad/s for gx, gy, gz; m/s^2 for ax, ay, az": channels of one unit that stand together.
@@ -239,7 +232,6 @@ contains
 
    !> Somebody gave a unit.
    pure logical function has_unit(record)
-      !> What was read
       type(record_type), intent(in) :: record
 
       has_unit = record%unit%quantity /= quantity%unknown .and. allocated(record%unit%name)
@@ -247,7 +239,6 @@ contains
 
    !> The unit's name, "input units" where none is known.
    pure function unit_name(record) result(name)
-      !> What was read
       type(record_type), intent(in) :: record
       character(:), allocatable :: name
 
@@ -257,7 +248,6 @@ contains
 
    !> Unit of averaging times: "s", or "samples" where no rate is known.
    pure function time_unit(record) result(name)
-      !> What was read
       type(record_type), intent(in) :: record
       character(:), allocatable :: name
 
@@ -280,6 +270,7 @@ contains
 
    !> The text as it can be shown, or another one where it is unallocated or empty.
    pure function text_or(text, other) result(chosen)
+      !> Any bytes
       character(*), intent(in), optional :: text
       character(*), intent(in) :: other
       character(:), allocatable :: chosen

@@ -10,6 +10,7 @@ module gyroakf_report_json
    use gyroakf_io_writer, only : writer_type, put
    use gyroakf_record, only : text_type
    use gyroakf_report_description, only : description_type
+   use gyroakf_spelling, only : lower
    use gyroakf_utf8, only : sequence_length
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    implicit none (type, external)
@@ -46,13 +47,12 @@ contains
    !> The bracket of what was opened last.
    subroutine close_group(self)
       class(json_type), intent(inout) :: self
-      logical :: was_empty, list
+      integer :: closed
 
-      was_empty = self%empty(self%depth)
-      list = self%list(self%depth)
+      closed = self%depth
       self%depth = max(self%depth - 1, 0)
-      if (.not. was_empty) call new_line_indented(self)
-      call append(self, merge("]", "}", list))
+      if (.not. self%empty(closed)) call new_line_indented(self)
+      call append(self, merge("]", "}", self%list(closed)))
       if (self%depth == 0) call append(self, new_line("a"))
    end subroutine close_group
 
@@ -115,7 +115,6 @@ contains
       character(*), intent(in) :: text
       !> With its quotes
       character(:), allocatable, intent(out) :: quoted
-      character(*), parameter :: hexadecimal = "0123456789abcdef"
       character(6) :: escape
       integer :: i, length, code
 
@@ -130,9 +129,8 @@ contains
          else if (text(i:i) == '"' .or. text(i:i) == "\") then
             quoted = quoted//"\"//text(i:i)
          else if (code < 32 .or. code == 127) then
-            escape = "\u00"//hexadecimal(code/16 + 1:code/16 + 1)// &
-               hexadecimal(mod(code, 16) + 1:mod(code, 16) + 1)
-            quoted = quoted//escape
+            write (escape, "(a, z4.4)") "\u", code
+            quoted = quoted//lower(escape)
          else
             quoted = quoted//text(i:i + length - 1)
          end if

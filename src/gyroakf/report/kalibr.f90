@@ -16,6 +16,8 @@ module gyroakf_report_kalibr
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_pipeline_result, only : pipeline_result_type, stated_coefficient_type, &
       not_described, stage
+   use gyroakf_report_html_markup, only : put_lines
+   use gyroakf_report_input, only : text_or
    use gyroakf_report_text_layout, only : scientific, number, count_text, if_known
    implicit none (type, external)
    private
@@ -54,7 +56,6 @@ contains
    subroutine write_kalibr(writer, record, result, error)
       !> Open
       type(writer_type), intent(inout) :: writer
-      !> What was read
       type(record_type), intent(in) :: record
       !> With the coefficients of the series as read
       type(pipeline_result_type), intent(in) :: result
@@ -69,20 +70,14 @@ contains
       if (allocated(error)) return
       call put_line(writer, "# Noise of an inertial sensor for Kalibr (imu.yaml), by gyroakf "// &
          release_string)
-      call put_line(writer, "# from "//plain(record%path)//": "// &
+      call put_line(writer, "# from "//text_or(record%path, "")//": "// &
          count_text(sample_count(record))//" samples, "//number(result%duration, 6)//" s")
-      call put_line(writer, "#")
-      call put_line(writer, "# SI units, continuous time. noise_density is N of the Allan "// &
-         "variance N^2/tau, the root of the")
-      call put_line(writer, "# two-sided density (not sqrt(2) N); random_walk is K of K^2 "// &
-         "tau/3. One number for a sensor: the")
-      call put_line(writer, "# largest of its axes, taken at the 95 % upper limit where an "// &
-         "axis shows no value.")
-      call put_line(writer, "# They are those of the sensor as it was recorded, at rest; "// &
-         "Kalibr's documentation advises larger")
-      call put_line(writer, "# ones for a low-cost sensor in motion.")
-      call put_line(writer, "")
-      call put_line(writer, kalibr_mark)
+      call put_lines(writer, [character(96) :: "#", "# SI units, continuous time. "// &
+         "noise_density is N of the Allan variance N^2/tau, the root of the", "# two-sided "// &
+         "density (not sqrt(2) N); random_walk is K of K^2 tau/3. One number for a sensor: the", &
+         "# largest of its axes, taken at the 95 % upper limit where an axis shows no value.", &
+         "# They are those of the sensor as it was recorded, at rest; Kalibr's documentation "// &
+         "advises larger", "# ones for a low-cost sensor in motion.", "", kalibr_mark])
       rate = number(1.0_dp/record%sample_interval, 7)      ! a real number for YAML: never "1e6"
       if (scan(rate, "eE") > 0) rate = scientific(1.0_dp/record%sample_interval, 7)
       call put_line(writer, "update_rate: "//rate//if_known(scan(rate, ".") == 0, ".0")//"  # Hz")
@@ -123,8 +118,7 @@ contains
 
          call put_line(writer, "")
          if (all(measured /= what)) call put_line(writer, "# The record has no channel in "// &
-                                                  asked// &
-                                                  ": fill in the "//sensor//"'s numbers.")
+            asked//": fill in the "//sensor//"'s numbers.")
          call put_number(what, white, sensor//"_noise_density", density_unit//"/sqrt(Hz)")
          call put_number(what, walk, sensor//"_random_walk", walk_unit//"/sqrt(Hz)")
       end subroutine put_sensor
@@ -148,8 +142,8 @@ contains
          end do
          largest = maxloc(strength(stated), dim=1, mask=of)
          call put_line(writer, key//": "//scientific(strength(stated(largest)), 5)//"  # "// &
-                       unit//", "// &
-                       term_names(term)//" of "//plain(result%channel(largest)%name)// &
+                       unit//", "//term_names(term)//" of "// &
+                       text_or(result%channel(largest)%name, "")// &
                        if_known(.not. stated(largest)%detected, &
                                 " is not detectable: its 95 % upper limit"))
          do c = 1, size(of)
@@ -157,7 +151,7 @@ contains
             text = "not detectable, below "//scientific(stated(c)%upper_limit_si, 5)//" (95 %)"
             if (stated(c)%detected) text = scientific(stated(c)%value_si, 5)//" +/- "// &
                scientific(stated(c)%std_error_si, 2)
-            call put_line(writer, "#   "//plain(result%channel(c)%name)//": "//text)
+            call put_line(writer, "#   "//text_or(result%channel(c)%name, "")//": "//text)
          end do
       end subroutine put_number
 
@@ -168,7 +162,7 @@ contains
          integer :: c
 
          do c = 1, size(measured)
-            name = plain(result%channel(c)%name)
+            name = text_or(result%channel(c)%name, "")
             associate (allan => result%channel(c)%allan(stage%input))
                if (measured(c) == quantity%unknown) then
                   call put_line(writer, lf//"# not used: "//name//", its unit is not known")
@@ -200,17 +194,5 @@ contains
       what = record%unit%quantity
       if (allocated(record%channel_unit)) what = record%channel_unit%quantity
    end function quantities
-
-   !> For a comment: no line ends.
-   pure function plain(text) result(line)
-      character(*), intent(in) :: text
-      character(:), allocatable :: line
-      integer :: i
-
-      line = text
-      do i = 1, len(line)
-         if (iachar(line(i:i)) < 32) line(i:i) = "?"
-      end do
-   end function plain
 
 end module gyroakf_report_kalibr

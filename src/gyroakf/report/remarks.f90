@@ -27,21 +27,19 @@ contains
 
    !> Warnings first, then what is not available, then the notes.
    subroutine put_remarks(writer, command, record, result, most_notes)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> run, allan, tests, ar or filter
       character(*), intent(in) :: command
-      !> What was read
       type(record_type), intent(in) :: record
-      !> What came out
       type(pipeline_result_type), intent(in) :: result
       !> Further ones are counted (default: all are shown)
       integer, intent(in), optional :: most_notes
       type(remark_type), allocatable :: remark(:)
-      character(:), allocatable :: names
-      integer :: i, kind, count
-      character(:), allocatable :: text
+      character(:), allocatable :: names, text
+      integer :: i, kind, count, most
 
+      most = huge(most)
+      if (present(most_notes)) most = most_notes
       allocate (remark(0))
       if (command == "run" .or. command == "filter") then
          associate (channel => result%channel, n => size(result%channel))
@@ -68,17 +66,14 @@ contains
          do i = 1, size(remark)
             if (remark(i)%kind /= kinds(kind)) cycle
             count = count + 1
-            if (present(most_notes)) then
-               if (remark(i)%kind == note .and. count > most_notes) cycle
-            end if
+            if (remark(i)%kind == note .and. count > most) cycle
             names = if_known(size(result%channel) > 1 .and. remark(i)%names /= "", &
                              remark(i)%names//": ")
             call put_item(writer, trim(remark(i)%kind), names//remark(i)%text, verbatim=.true.)
          end do
       end do
-      if (.not. present(most_notes)) return
-      if (count > most_notes) call put_item(writer, "", &
-         plural(int(count - most_notes, int64), "further note")//": --details")
+      if (count > most) call put_item(writer, "", &                ! the notes are the last kind
+         plural(int(count - most, int64), "further note")//": --details")
 
    contains
 
@@ -87,9 +82,7 @@ contains
          type(text_type), intent(in), optional :: list(:)
          !> Of what is no note
          character(13), intent(in) :: kind
-         character(*), intent(in) :: name
-         !> Before each text
-         character(*), intent(in) :: prefix
+         character(*), intent(in) :: name, prefix
          integer :: k
 
          if (.not. present(list)) return

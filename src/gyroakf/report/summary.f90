@@ -3,10 +3,14 @@
 !> a terminal.
 module gyroakf_report_summary
    use gyroakf_kinds, only : int64
+   use gyroakf_record, only : record_type, text_type
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : put, put_line, writer_type
-   use gyroakf_report_json, only : json_type
-   use gyroakf_report_summary_row, only : summarise, summary_row_type
+   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage_names
+   use gyroakf_report_document, only : gather_warnings
+   use gyroakf_report_input, only : text_or
+   use gyroakf_report_json, only : json_text, json_type
+   use gyroakf_report_summary_row, only : add_channel_row, csv_row_type, put_channel, put_record
    use gyroakf_report_text_layout, only : plural, put_paragraph, report_width
    use gyroakf_report_text_table, only : add_row, column_widths, put_table, table_type
    use gyroakf_utf8, only : text_width
@@ -14,10 +18,108 @@ module gyroakf_report_summary
    private
    public :: summary_row_type, summarise, write_summary_csv, write_summary_json, write_summary_table
 
+   !> One file
+   type :: summary_row_type
+      !> What a run of this file alone would end with: 0 done, 2 the data or a file, 3 a numerical
+      !> failure, or a crash
+      integer :: code = 0
+      !> What went wrong, "" where nothing did
+      character(:), allocatable :: message
+      !> Names of the columns of summary.csv, and its lines, each with its line feed
+      character(:), allocatable :: csv_head, csv
+      !> Element of "files" in summary.json, "" where there was no memory for it
+      character(:), allocatable :: json
+      !> A row for each channel
+      type(table_type) :: table
+   end type summary_row_type
+
    !> A file's name has at least so many characters in the table, and a channel's at most
    integer, parameter :: least_name = 12, most_channel = 12
+   !> Maximum number of warnings of a file that are shown in full
+   integer, parameter :: most_warnings = 3
 
 contains
+
+   !> A file that was worked on, or that failed: then with a record that was not read, which has
+   !> no channels.
+   subroutine summarise(command, path, folder, record, row, result, code, message)
+      !> run, inspect, allan, tests, ar, filter
+      character(*), intent(in) :: command
+      !> As it was given
+      character(*), intent(in) :: path
+      !> Of its results, "" where none are written
+      character(*), intent(in) :: folder
+      type(record_type), intent(in) :: record
+      !> The row
+      type(summary_row_type), intent(out) :: row
+      !> What came out; absent for inspect
+      type(pipeline_result_type), intent(in), optional :: result
+      !> What a run of this file alone would end with (default 0: done)
+      integer, intent(in), optional :: code
+      !> What went wrong
+      character(*), intent(in), optional :: message
+      type(channel_result_type) :: nothing
+      type(text_type), allocatable :: warnings(:)
+      character(:), allocatable :: text
+      type(json_type) :: json
+      integer :: c, n
+
+      allocate (nothing%allan(size(stage_names)))
+      row%message = ""
+      if (present(code)) row%code = code
+      if (present(message)) row%message = message
+      row%csv = ""
+      call gather_warnings(record, warnings, result)
+      ! as deep as it stands in the whole document
+      call json%open("")
+      call json%open("files", list=.true.)
+      call json%open("")
+      call json%put("path", path)
+      call json%put("folder", folder, folder /= "")
+      call json%put("exit_code", row%code)
+      call json%put("message", row%message, row%message /= "")
+      call put_record(json, record)
+      call json%put("warning_count", size(warnings))
+      call json%put("warnings", warnings(:min(size(warnings), most_warnings)))
+      call json%open("channels", list=.true.)
+      n = 1
+      if (allocated(record%channel)) n = size(record%channel)
+      do c = 1, n
+         if (present(result)) call add_channel(result%channel(c))
+         if (.not. present(result)) call add_channel(nothing)
+      end do
+      call json%close()
+      call json%close()
+      row%json = ""
+      if (json%failed) return
+      text = json_text(json)
+      text = text(index(text, "["):)
+      row%json = text(index(text, "{"):)
+
+   contains
+
+      !> A channel in all forms; the message of its line is the error, or else the first warning.
+      subroutine add_channel(channel)
+         type(channel_result_type), intent(in) :: channel
+         type(csv_row_type) :: csv
+
+         if (allocated(record%channel)) call put_channel(json, record, c, channel)
+         text = row%message
+         if (row%code == 0 .and. size(warnings) > 0) text = warnings(1)%text
+         call csv%put("path", path)
+         call csv%put("folder", folder)
+         call csv%put("exit_code", row%code)
+         call csv%put("warnings", size(warnings))
+         call csv%put("message", text(:index(text//new_line("a"), new_line("a")) - 1))
+         call put_record(csv, record)
+         call put_channel(csv, record, c, channel)
+         row%csv_head = csv%head
+         row%csv = row%csv//csv%line//new_line("a")
+         call add_channel_row(row%table, command, text_or(path, ""), record, c, channel, &
+                              size(warnings), row%code /= 0)
+      end subroutine add_channel
+
+   end subroutine summarise
 
    !> summary.csv: a line per file and channel; a file that failed has one line. nan where a number
    !> is not known.
@@ -69,10 +171,8 @@ contains
       type(summary_row_type), intent(in) :: rows(:)
       type(table_type) :: table
       character(:), allocatable :: text
-      integer :: i, j, k, last
       integer, allocatable :: width(:)
-      integer :: widest
-      integer :: blank
+      integer :: i, j, k, last, widest, blank
 
       if (size(rows) == 0) return
       table = rows(1)%table

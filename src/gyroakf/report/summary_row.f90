@@ -1,130 +1,38 @@
 ! SPDX-License-Identifier: MIT
 !> What a summary of many files says of one of them: described once, for summary.csv and
-!> summary.json; the cells of the table.
+!> summary.json; the cells of the table; and the CSV renderer of a description: its members in a
+!> line, of a list how many values it has.
 module gyroakf_report_summary_row
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_record, only : record_type, sample_count, text_type, view_channel
+   use gyroakf_record, only : record_type, sample_count, view_channel
    use gyroakf_units, only : term_names
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage, &
-      stage_names, stated_coefficient_type
-   use gyroakf_report_csv, only : csv_row_type
-   use gyroakf_report_description, only : description_type
-   use gyroakf_report_document, only : gather_warnings
+   use gyroakf_io_writer, only : format_real
+   use gyroakf_pipeline_result, only : channel_result_type, stage, stated_coefficient_type
+   use gyroakf_report_csv, only : quoted
+   use gyroakf_report_description, only : description_type, unknown_type
    use gyroakf_report_input, only : has_unit, unit_name
-   use gyroakf_report_json, only : json_text, json_type
    use gyroakf_report_text_layout, only : count_text, if_known, number
    use gyroakf_report_text_table, only : add_cell, add_row, new_table, table_type
    use gyroakf_report_verdicts, only : verdict_text
-   use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: summary_row_type, summarise
+   public :: csv_row_type, put_record, put_channel, add_channel_row
 
-   !> One file
-   type :: summary_row_type
-      !> What a run of this file alone would end with: 0 done, 2 the data or a file, 3 a numerical
-      !> failure, or a crash
-      integer :: code = 0
-      !> What went wrong, "" where nothing did
-      character(:), allocatable :: message
-      !> Names of the columns of summary.csv, and its lines, each with its line feed
-      character(:), allocatable :: csv_head, csv
-      !> Element of "files" in summary.json, "" where there was no memory for it
-      character(:), allocatable :: json
-      !> A row for each channel
-      type(table_type) :: table
-   end type summary_row_type
+   !> Every member takes a column, known or not, which its title names, or else its key
+   type, extends(description_type) :: csv_row_type
+      !> Names and values
+      character(:), allocatable :: head, line
+   contains
+      procedure :: begin
+      procedure :: close => close_group
+      procedure :: value => put_value
+      procedure :: values => put_values
+   end type csv_row_type
 
-   !> Maximum number of warnings of a file that are shown in full
-   integer, parameter :: most_warnings = 3
    !> Digits of a number in the table
    integer, parameter :: table_digits = 4
 
 contains
-
-   !> A file that was worked on, or that failed: then with a record that was not read, which has
-   !> no channels.
-   subroutine summarise(command, path, folder, record, row, result, code, message)
-      !> run, inspect, allan, tests, ar, filter
-      character(*), intent(in) :: command
-      !> As it was given
-      character(*), intent(in) :: path
-      !> Of its results, "" where none are written
-      character(*), intent(in) :: folder
-      !> What was read
-      type(record_type), intent(in) :: record
-      !> The row
-      type(summary_row_type), intent(out) :: row
-      !> What came out; absent for inspect
-      type(pipeline_result_type), intent(in), optional :: result
-      !> What a run of this file alone would end with (default 0: done)
-      integer, intent(in), optional :: code
-      !> What went wrong
-      character(*), intent(in), optional :: message
-      type(channel_result_type) :: nothing
-      type(text_type), allocatable :: warnings(:)
-      character(:), allocatable :: text, shown
-      type(json_type) :: json
-      integer :: c, n
-
-      allocate (nothing%allan(size(stage_names)))
-      row%message = ""
-      if (present(code)) row%code = code
-      if (present(message)) row%message = message
-      row%csv = ""
-      call gather_warnings(record, warnings, result)
-      ! as deep as it stands in the whole document
-      call json%open("")
-      call json%open("files", list=.true.)
-      call json%open("")
-      call json%put("path", path)
-      call json%put("folder", folder, folder /= "")
-      call json%put("exit_code", row%code)
-      call json%put("message", row%message, row%message /= "")
-      call put_record(json, record)
-      call json%put("warning_count", size(warnings))
-      call json%put("warnings", warnings(:min(size(warnings), most_warnings)))
-      call json%open("channels", list=.true.)
-      n = 1
-      if (allocated(record%channel)) n = size(record%channel)
-      do c = 1, n
-         if (present(result)) call add_channel(result%channel(c))
-         if (.not. present(result)) call add_channel(nothing)
-      end do
-      call json%close()
-      call json%close()
-      text = json_text(json)
-      row%json = ""
-      if (json%failed) return
-      text = text(index(text, "["):)
-      row%json = text(index(text, "{"):)
-
-   contains
-
-      !> A channel in all forms; the message of its line is the error, or else the first warning.
-      subroutine add_channel(channel)
-         type(channel_result_type), intent(in) :: channel
-         type(csv_row_type) :: csv
-
-         if (allocated(record%channel)) call put_channel(json, record, c, channel)
-         text = row%message
-         if (row%code == 0 .and. size(warnings) > 0) text = warnings(1)%text
-         call csv%put("path", path)
-         call csv%put("folder", folder)
-         call csv%put("exit_code", row%code)
-         call csv%put("warnings", size(warnings))
-         call csv%put("message", text(:index(text//new_line("a"), new_line("a")) - 1))
-         call put_record(csv, record)
-         call put_channel(csv, record, c, channel)
-         row%csv_head = csv%head
-         row%csv = row%csv//csv%line//new_line("a")
-         shown = path
-         call make_readable(shown)
-         call add_channel_row(row%table, command, shown, record, c, channel, size(warnings), &
-                              row%code /= 0)
-      end subroutine add_channel
-
-   end subroutine summarise
 
    !> What was read; nothing is known of a record without channels.
    subroutine put_record(out, record)
@@ -146,18 +54,13 @@ contains
       !> Without a name where nothing was computed
       type(channel_result_type), intent(in) :: channel
       type(record_type) :: view
-      character(:), allocatable :: name
       logical :: there, known
       integer :: term
 
       there = allocated(channel%name)
-      name = ""
-      if (allocated(record%channel)) then
-         call view_channel(record, c, view)
-         name = record%channel(c)%text
-      end if
+      if (allocated(record%channel)) call view_channel(record, c, view)
       call out%open("")
-      call out%put("name", name, title="channel")
+      call out%put("name", channel_name(record, c), title="channel")
       call out%put("unit", view%unit%name, has_unit(view))
       call out%put("mean", channel%raw%mean, there)
       call out%put("std", channel%raw%std, there)
@@ -193,6 +96,16 @@ contains
       call out%close()
    end subroutine put_channel
 
+   !> "" of a record that was not read.
+   pure function channel_name(record, c) result(name)
+      type(record_type), intent(in) :: record
+      integer, intent(in) :: c
+      character(:), allocatable :: name
+
+      name = ""
+      if (allocated(record%channel)) name = record%channel(c)%text
+   end function channel_name
+
    !> The row of a channel in the table, below the heads; a file that failed has nothing in it.
    subroutine add_channel_row(table, command, path, record, c, channel, warnings, failed)
       !> Not allocated: it begins with the heads
@@ -205,65 +118,58 @@ contains
       integer, intent(in) :: warnings
       logical, intent(in) :: failed
       type(record_type) :: view
-      type(text_type) :: cell(4)
-      character(:), allocatable :: name
-      character(11) :: head(4)
       integer :: i
 
-      name = ""
-      if (allocated(record%channel)) then
-         call view_channel(record, c, view)
-         name = record%channel(c)%text
+      if (.not. allocated(table%cell)) then
+         call new_table(table, merge(7, 8, command == "tests" .or. command == "ar"), left=2)
+         call add_row(table, "file", "channel")
       end if
-      associate (is => channel%available, term => channel%allan(stage%input)%stated%term)
+      call add_row(table, path, if_known(failed, "failed", channel_name(record, c)))
+      if (allocated(record%channel)) call view_channel(record, c, view)
+      call add("samples", count_text(sample_count(record)))
+      associate (is => channel%available, ar => channel%ar)
          select case (command)
          case ("inspect")
-            head = [character(11) :: "rate Hz", "unit", "missing", "gaps"]
-            cell(1)%text = known(record%rate_known, 1.0_dp/record%sample_interval)
-            cell(2)%text = if_known(has_unit(view), unit_name(view))
-            cell(3)%text = count_text(record%audit%missing)
-            cell(4)%text = count_text(record%audit%gaps)
+            call add("rate Hz", known(record%rate_known, 1.0_dp/record%sample_interval))
+            call add("unit", if_known(has_unit(view), unit_name(view)))
+            call add("missing", count_text(record%audit%missing))
+            call add("gaps", count_text(record%audit%gaps))
          case ("tests")
-            head = [character(11) :: "ADF p", "Jarque-Bera", "Ljung-Box", ""]
-            cell(1)%text = known(is%adf, channel%adf%p_value)
-            cell(2)%text = known(is%jarque_bera, channel%jarque_bera%p_value)
-            cell(3)%text = known(is%ljung_box, channel%ljung_box%p_value)
+            call add("ADF p", known(is%adf, channel%adf%p_value))
+            call add("Jarque-Bera", known(is%jarque_bera, channel%jarque_bera%p_value))
+            call add("Ljung-Box", known(is%ljung_box, channel%ljung_box%p_value))
          case ("ar")
-            head = [character(11) :: "order", "noise var.", "phi 1", ""]
-            cell(1)%text = known(is%ar, real(channel%ar%order, dp))
-            cell(2)%text = known(is%ar, channel%ar%noise_variance)
-            cell(3)%text = "-"
-            if (is%ar .and. channel%ar%order > 0) cell(3)%text = known(.true., &
-                                                                       channel%ar%coefficient(1))
+            call add("order", known(is%ar, real(ar%order, dp)))
+            call add("noise var.", known(is%ar, ar%noise_variance))
+            if (is%ar .and. ar%order > 0) then
+               call add("phi 1", known(.true., ar%coefficient(1)))
+            else
+               call add("phi 1", "-")
+            end if
          case ("filter")
-            head = [character(11) :: "variance", "KF", "AKF", "AKF passes"]
-            cell(1)%text = known(.true., channel%cleaned%variance)
-            cell(2)%text = known(is%kf, channel%kf%variance)
-            cell(3)%text = known(is%akf, channel%akf%variance)
-            cell(4)%text = known(is%akf, channel%akf%dc_gain)
+            call add("variance", known(.true., channel%cleaned%variance))
+            call add("KF", known(is%kf, channel%kf%variance))
+            call add("AKF", known(is%akf, channel%akf%variance))
+            call add("AKF passes", known(is%akf, channel%akf%dc_gain))
          case default
-            head = [character(11) :: term_names(2), term_names(3), term_names(4), "noise"]
-            do i = 1, 3
-               cell(i)%text = coefficient_text(term(i + 1))
+            do i = 2, 4
+               call add(term_names(i), coefficient_text(channel%allan(stage%input)%stated%term(i)))
             end do
-            cell(4)%text = if_known(channel%verdict%known, trim(verdict_text(channel)), "-")
+            call add("noise", if_known(channel%verdict%known, trim(verdict_text(channel)), "-"))
          end select
       end associate
-      if (.not. allocated(table%cell)) then
-         call new_table(table, 4 + count(head /= ""), left=2)
-         call add_row(table, "file", "channel", "samples")
-         do i = 1, count(head /= "")
-            call add_cell(table, trim(head(i)))
-         end do
-         call add_cell(table, "warnings")
-      end if
-      call add_row(table, path, if_known(failed, "failed", name))
-      if (failed) return
-      call add_cell(table, count_text(sample_count(record)))
-      do i = 1, count(head /= "")
-         call add_cell(table, cell(i)%text)
-      end do
-      call add_cell(table, count_text(int(warnings, int64)))
+      call add("warnings", count_text(int(warnings, int64)))
+
+   contains
+
+      !> A cell, below its head.
+      subroutine add(head, text)
+         character(*), intent(in) :: head, text
+
+         table%cell(1, table%filled + 1)%text = head
+         call add_cell(table, if_known(.not. failed, text))
+      end subroutine add
+
    end subroutine add_channel_row
 
    !> A number of the table, "-" where it is not known.
@@ -285,5 +191,55 @@ contains
       text = "< "//number(stated%upper_limit, 3)//" "//stated%unit
       if (stated%detected) text = number(stated%value, table_digits)//" "//stated%unit
    end function coefficient_text
+
+   !> A line has no groups.
+   subroutine begin(self, key, list)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      logical, intent(in) :: list
+
+      self%complete = self%complete .or. key == "" .or. list
+   end subroutine begin
+
+   subroutine close_group(self)
+      class(csv_row_type), intent(inout) :: self
+
+      self%complete = .true.
+   end subroutine close_group
+
+   subroutine put_value(self, key, value)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value
+      character(:), allocatable :: text, name
+
+      if (.not. self%member%shown) return
+      text = ""
+      select type (value)
+      type is (real(dp)); text = format_real(value, 15)
+      type is (integer); text = count_text(int(value, int64))
+      type is (integer(int64)); text = count_text(value)
+      type is (logical); text = trim(merge("true ", "false", value))
+      type is (character(*)); text = quoted(value)
+      type is (unknown_type); if (value%number) text = "nan"
+      end select
+      name = key
+      if (allocated(self%member%title)) name = self%member%title
+      if (allocated(self%line)) then
+         name = self%head//","//name
+         text = self%line//","//text
+      end if
+      call move_alloc(name, self%head)
+      call move_alloc(text, self%line)
+   end subroutine put_value
+
+   !> Of a list, how many values it has.
+   subroutine put_values(self, key, value)
+      class(csv_row_type), intent(inout) :: self
+      character(*), intent(in) :: key
+      class(*), intent(in) :: value(:)
+
+      call put_value(self, key, size(value))
+   end subroutine put_values
 
 end module gyroakf_report_summary_row

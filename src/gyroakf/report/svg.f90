@@ -87,10 +87,9 @@ contains
       !> A document of its own with its style; else an element of a page that has `svg_style`
       logical, intent(in) :: alone
       type(axis_type) :: x, y
-      real(dp) :: low(2), high(2), extent(2)
+      real(dp) :: low(2), high(2), extent(2), value(8)
       integer :: i
       character(2), parameter :: name(8) = ["x0", "x1", "x2", "x3", "y0", "y1", "y2", "y3"]
-      real(dp) :: value(8)
 
       call find_range(figure, low, high)
       x = axis_type(figure%logarithmic, from=left, to=right)
@@ -116,10 +115,7 @@ contains
       end if
       call put_line(writer, ">")
       if (alone) then
-         call put_line(writer, "<style>")
-         call put_lines(writer, own_style)
-         call put_lines(writer, svg_style)
-         call put_line(writer, "</style>")
+         call put_lines(writer, [character(96) :: "<style>", own_style, svg_style, "</style>"])
       end if
       call put_text(writer, "title", 12.0_dp, 22.0_dp, figure%title)
       call put_axes()

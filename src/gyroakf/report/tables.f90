@@ -31,8 +31,7 @@ contains
       call new_table(table, 6, left=2)
       table%caption = "Tests of the "//trim(channel%tested)
       table%note = "Critical values and rejections are those of a significance of 5 %."
-      call add_row(table, "test", "null hypothesis", "statistic", "critical", "p", &
-                   "rejected")
+      call add_row(table, "test", "null hypothesis", "statistic", "critical", "p", "rejected")
       associate (is => channel%available, adf => channel%adf, kpss => channel%kpss, &
                  jarque_bera => channel%jarque_bera, anderson => channel%anderson_darling, &
                  ljung_box => channel%ljung_box)
@@ -155,25 +154,22 @@ contains
 
       call new_table(table, 9, head=merge(2, 1, has_unit(record)))
       table%number = "II"
-      table%caption = "Before and after the filters"//if_known(.not. has_unit(record), &
-                                                               ", in input units")
+      table%caption = "Before and after the filters"
+      if (.not. has_unit(record)) table%caption = table%caption//", in input units"
       call add_row(table, "", "mean", "variance", "share", "gain", "passes", "NIS", "|rho|", &
                    "innov.")
-      if (has_unit(record)) then
-         call add_row(table, "", unit_name(record), "("//unit_name(record)//")^2")
-      end if
+      if (has_unit(record)) call add_row(table, "", unit_name(record), &
+                                         "("//unit_name(record)//")^2")
       associate (is => channel%available)
          call add_series("raw", channel%raw%mean, channel%raw%variance)
          call add_series("cleaned", channel%cleaned%mean, channel%cleaned%variance, "100 %")
          if (is%kf) call add_filter("KF (paper)", channel%kf, channel%kf_figures)
          if (is%akf) call add_filter("AKF (paper)", channel%akf, channel%akf_figures)
-         if (channel%drift%found .and. is%preprocess) then
-            call add_series("no outliers", channel%level%mean, channel%level%variance, "100 %")
-         end if
+         if (channel%drift%found .and. is%preprocess) call add_series("no outliers", &
+            channel%level%mean, channel%level%variance, "100 %")
          if (is%drift_kf) call add_filter("drift KF", channel%drift_kf, channel%drift_kf_figures)
-         if (is%drift_akf) then
-            call add_filter("drift AKF", channel%drift_akf, channel%drift_akf_figures)
-         end if
+         if (is%drift_akf) call add_filter("drift AKF", channel%drift_akf, &
+                                           channel%drift_akf_figures)
          if (is%drift_smoother) then
             call add_filter("smoother", channel%drift_smoother, channel%drift_smoother_figures)
             call add_series("compensated", channel%compensated%mean, &

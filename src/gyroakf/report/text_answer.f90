@@ -24,7 +24,6 @@ contains
 
    !> A table for each group of channels of one unit, and the numbers of a Kalman filter.
    subroutine put_answer(writer, record, result)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> For units and rate
       type(record_type), intent(in) :: record
@@ -42,8 +41,8 @@ contains
             if (unit_of(result%channel(last + 1)) /= unit_of(result%channel(first))) exit
             last = last + 1
          end do
-         if (any(fitted(first:last))) call put_group(writer, record, result%channel(first:last), &
-                                                     first)
+         if (any(fitted(first:last))) call put_group(writer, record, &
+                                                     result%channel(first:last), first)
       end do
       if (.not. any(fitted)) return
       call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld")
@@ -65,11 +64,11 @@ contains
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel(:)
-      !> Number of the first one
       integer, intent(in) :: first
       type(table_type) :: table
       type(record_type) :: view
       integer, allocatable :: width(:)
+      logical :: too_wide
       integer :: c
 
       call put_line(writer, "")
@@ -84,19 +83,14 @@ contains
       do c = 1, size(channel)
          call add_series(channel(c)%name, channel(c)%raw%mean, channel(c)%allan(stage%input))
          call add_cell(table, trim(verdict_text(channel(c))))
-         if (outliers_matter(channel(c))) then
-            call add_series(" no outliers", channel(c)%level%mean, &
-                            channel(c)%allan(stage%outliers_removed))
-         end if
+         if (outliers_matter(channel(c))) call add_series(" no outliers", channel(c)%level%mean, &
+            channel(c)%allan(stage%outliers_removed))
       end do
       call column_widths(table, width)
-      if (2 + sum(width) + size(width) - 1 > report_width) then
-         table%cell = table%cell(:, :7)
-         call put_table(writer, table)
-         call put_verdicts()
-      else
-         call put_table(writer, table)
-      end if
+      too_wide = 2 + sum(width) + size(width) - 1 > report_width
+      if (too_wide) table%cell = table%cell(:, :7)
+      call put_table(writer, table)
+      if (too_wide) call put_verdicts()
       if (record%rate_known) call put_filter_numbers()
 
    contains

@@ -8,8 +8,7 @@ module gyroakf_report_text_description
    use gyroakf_record, only : text_type
    use gyroakf_report_description, only : description_type
    use gyroakf_report_text_layout, only : count_text, fixed, if_known, number, p_value_text, &
-      put_heading, &
-      put_item, put_paragraph, rounded
+      put_heading, put_item, put_paragraph, rounded
    implicit none (type, external)
    private
    public :: text_description_type
@@ -58,10 +57,10 @@ contains
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: key
       logical, intent(in) :: list
-      character(:), allocatable :: title
+      character(:), allocatable :: title, unit
       logical :: shown
 
-      call find_title(self, key, title, shown)
+      call find_title(self, key, title, shown, unit)
       if (allocated(self%skip)) shown = shown .and. .not. any(self%skip == key)
       if (self%depth == 1 .or. list) call end_line(self)
       self%depth = self%depth + 1
@@ -112,7 +111,6 @@ contains
       if (.not. shown) return
       select type (value)
       type is (real(dp))
-         if (allocated(self%member%unit)) unit = " "//self%member%unit
          number_text = rounded(value, self%member%std_error)
          if (abs(value) >= 1e3_dp .and. abs(value) < 1e8_dp .and. &
              .not. self%member%std_error > 0.0_dp) number_text = fixed(value, 2)
@@ -143,28 +141,27 @@ contains
       class(text_description_type), intent(inout) :: self
       character(*), intent(in) :: key
       class(*), intent(in) :: value(:)
-      character(:), allocatable :: title
+      character(:), allocatable :: title, unit
       logical :: shown
       integer :: i
 
-      call find_title(self, key, title, shown)
+      call find_title(self, key, title, shown, unit)
       if (.not. shown .or. size(value) == 0) return
       select type (value)
       type is (real(dp))
          if (size(value) > longest_list) return
          do i = 1, size(value)
             if (allocated(self%member%std_errors)) then
-               title = title//" "//rounded(value(i), self%member%std_errors(i))
-               if (i < size(value)) title = title//";"
+               title = title//if_known(i > 1, "; ", " ")// &
+                  rounded(value(i), self%member%std_errors(i))
             else
                title = title//" "//number(value(i), 6)
             end if
          end do
       type is (text_type)
          do i = 1, size(value)
-            title = title//" "//value(i)%text//";"
+            title = title//if_known(i > 1, ";")//" "//value(i)%text
          end do
-         title = title(:len(title) - 1)
       end select
       call add(self, title)
    end subroutine put_values
@@ -175,7 +172,7 @@ contains
       character(*), intent(in) :: key
       character(:), allocatable, intent(out) :: title
       logical, intent(out) :: shown
-      character(:), allocatable, intent(out), optional :: unit
+      character(:), allocatable, intent(out) :: unit
       character(2) :: name
       integer :: i
 
@@ -188,7 +185,8 @@ contains
       case default; name = ""
       end select
       if (name /= "") title = key(:i - 1)
-      if (present(unit)) unit = if_known(name /= "", " "//trim(name))
+      unit = if_known(name /= "", " "//trim(name))
+      if (allocated(self%member%unit)) unit = " "//self%member%unit
       do i = 1, len(title)
          if (title(i:i) == "_") title(i:i) = " "
       end do

@@ -6,15 +6,15 @@
 module gyroakf_report_text_layout
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_report_number_text, only : count_text, fixed, if_known, number, p_value_text, &
-      percent, plural, rounded, scientific
-   use gyroakf_report_sign, only : to_unicode
+      percent, plural, rounded, scientific, to_unicode
    use gyroakf_utf8, only : text_width, is_continuation
-   use gyroakf_report_html_markup, only : html_heading, html_item, html_paragraph
+   use gyroakf_report_html_markup, only : close_list, html_heading, html_item, put_element
    implicit none (type, external)
    private
    public :: report_width, pad_right, pad_left
    public :: put_title, put_heading, put_item, put_paragraph
-   public :: number, rounded, scientific, fixed, count_text, p_value_text, plural, percent, if_known
+   public :: number, rounded, scientific, fixed, count_text, p_value_text, plural, percent, &
+      if_known, to_unicode
 
    !> No line is longer
    integer, parameter :: report_width = 80
@@ -72,7 +72,6 @@ contains
 
    !> The first line of a report.
    subroutine put_title(writer, text)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> What it is about
       character(*), intent(in) :: text
@@ -82,7 +81,6 @@ contains
 
    !> An empty line, the heading, and a line of signs under it.
    subroutine put_heading(writer, text, underline, verbatim)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> The heading
       character(*), intent(in) :: text
@@ -106,12 +104,9 @@ contains
    !> A label and its text, wrapped under itself; the label is yellow where a look is needed, red
    !> where something failed.
    subroutine put_item(writer, label, text, verbatim)
-      !> The report
       type(writer_type), intent(inout) :: writer
-      !> At most 15 characters
-      character(*), intent(in) :: label
-      !> Any length
-      character(*), intent(in) :: text
+      !> At most 15 characters; any length
+      character(*), intent(in) :: label, text
       !> Holds what a user wrote: shown as it is
       logical, intent(in), optional :: verbatim
       character(2) :: color
@@ -120,8 +115,7 @@ contains
          call html_item(writer, label, with_signs(writer, text, verbatim))
          return
       end if
-      color = ""
-      if (label == "Warning") color = "33"
+      color = merge("33", "  ", label == "Warning")
       if (label == "Not available") color = "31"
       call put_wrapped(writer, pad_right("  "//label, item_column - 1)//" ", &
                        with_signs(writer, text, verbatim), item_column, color)
@@ -129,13 +123,13 @@ contains
 
    !> Wrapped text, two blanks in front of every line.
    subroutine put_paragraph(writer, text)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> Any length
       character(*), intent(in) :: text
 
       if (writer%markup%on) then
-         call html_paragraph(writer, with_signs(writer, text))
+         call close_list(writer)
+         call put_element(writer, "p", with_signs(writer, text))
       else
          call put_wrapped(writer, "  ", with_signs(writer, text), 2, "")
       end if
@@ -146,9 +140,8 @@ contains
    !> does.
    subroutine put_wrapped(writer, first, text, indent, color)
       type(writer_type), intent(inout) :: writer
-      character(*), intent(in) :: first, text
+      character(*), intent(in) :: first, text, color
       integer, intent(in) :: indent
-      character(*), intent(in) :: color
       character(:), allocatable :: line
       integer :: position, last, width, word, used
 
@@ -200,10 +193,9 @@ contains
 
       is_break = text(i:i) == " "
       if (.not. is_break .or. i == 1 .or. i == len(text)) return
-      is_break = scan(text(i + 1:i + 1), "%=+<>") == 0 .and. &
-         scan(text(i - 1:i - 1), "=<>") == 0 .and. text(max(1, i - 3):i - 1) /= "+/-"
-      if (is_break) is_break = text(i + 1:min(len(text), i + 2)) /= "±" .and. &
-         text(max(1, i - 2):i - 1) /= "±"
+      is_break = scan(text(i + 1:i + 1), "%=+<>") == 0 .and. scan(text(i - 1:i - 1), "=<>") == 0 &
+         .and. text(max(1, i - 3):i - 1) /= "+/-" .and. text(max(1, i - 2):i - 1) /= "±" &
+         .and. text(i + 1:min(len(text), i + 2)) /= "±"
    end function is_break
 
 end module gyroakf_report_text_layout

@@ -26,16 +26,15 @@ contains
 
    !> What a command is for, but for the Allan analysis.
    subroutine put_overview(writer, command, record, result)
-      !> The report
       type(writer_type), intent(inout), target :: writer
       !> run, tests, ar or filter
       character(*), intent(in) :: command
       !> For units
       type(record_type), intent(in) :: record
-      !> What came out
       type(pipeline_result_type), intent(in) :: result
       type(record_type) :: view
       type(table_type) :: table
+      integer :: c
 
       if (size(result%channel) == 1) then
          call view_channel(record, 1, view)
@@ -51,10 +50,7 @@ contains
 
    contains
 
-      !> The filters of several channels.
       subroutine make_filters()
-         integer :: c
-
          call new_table(table, 9, head=2)
          call add_row(table, "", "outliers", "AR", "KF", "", "AKF", "", "drift KF", "smoother")
          call add_row(table, "", "", "order", "share", "passes", "share", "passes", "share", &
@@ -78,26 +74,24 @@ contains
          end do
       end subroutine make_filters
 
-      !> The AR models of several channels.
       subroutine make_models()
-         integer :: c, i
+         integer :: i
 
          call new_table(table, 9)
          call add_row(table, "", "order", "phi_1", "phi_2", "phi_3", "variance", "predicts", &
                       "|rho|", "residuals")
-         table%note = "order: by "//full_name(result%channel(1)%ar%criterion)// &
-            ". variance: of the "// &
-            "residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
+         table%note = "order: by "//full_name(result%channel(1)%ar%criterion)//". variance: of "// &
+            "the residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
             "autocorrelation of the residuals"
          do c = 1, size(result%channel)
             call add_row(table, result%channel(c)%name)
             if (.not. result%channel(c)%available%ar) cycle
             associate (ar => result%channel(c)%ar, test => result%channel(c)%ar%residual_ljung_box)
                call add_cell(table, count_text(int(ar%order, int64)))
-               do i = 1, 3
-                  if (i <= ar%order) call add_cell(table, number(ar%coefficient(i), 4))
-                  if (i > ar%order) call add_cell(table, "")
+               do i = 1, min(3, ar%order)
+                  call add_cell(table, number(ar%coefficient(i), 4))
                end do
+               table%filled = 5                                         ! phi_1 to phi_3
                call add_cell(table, scientific(ar%noise_variance, 4))
                call add_cell(table, number(result%channel(c)%predictable_percent, 3)//" %")
                call add_cell(table, number(test%largest_rho, 2))
@@ -106,10 +100,7 @@ contains
          end do
       end subroutine make_models
 
-      !> The tests of several channels.
       subroutine make_tests()
-         integer :: c
-
          call new_table(table, 8, head=2)
          call add_row(table, "", "unit root", "level", "normal", "excess", "white", "largest", &
                       "noise")
@@ -159,11 +150,9 @@ contains
       case ("tests")
          if (channel%verdict%wanted) then
             call put_item(writer, "Noise", trim(verdict_text(channel)))
-            if (allocated(channel%verdict%reasons)) then
-               do i = 1, size(channel%verdict%reasons)
-                  call put_item(writer, "", channel%verdict%reasons(i)%text)
-               end do
-            end if
+            do i = 1, merge(size(channel%verdict%reasons), 0, allocated(channel%verdict%reasons))
+               call put_item(writer, "", channel%verdict%reasons(i)%text)
+            end do
          end if
          call make_tests_table(channel, table)
          if (size(table%cell, 1) > table%head) then
@@ -176,17 +165,14 @@ contains
          call out%attach(writer)
          call put_ar(out, channel)
       case default
-         associate (clean => channel%clean)
+         associate (clean => channel%clean, degree => channel%clean%trend%degree)
             text = "no outliers looked for"
             if (clean%method /= "none") text = plural(clean%removed, "outlier")//" ("// &
                percent(clean%fraction)//") beyond "//number(clean%threshold, 4)//" sigma ("// &
                trim(clean%method)//")"
-            if (clean%trend%degree > 3) then
-               text = text//"; polynomial of degree "// &
-                  count_text(int(clean%trend%degree, int64))//" trend"
-            else if (clean%trend%degree >= 0) then
-               text = text//"; "//trim(names(clean%trend%degree))//" trend"
-            end if
+            if (degree > 3) text = text//"; polynomial of degree "// &
+               count_text(int(degree, int64))//" trend"
+            if (any(degree == [0, 1, 2, 3])) text = text//"; "//trim(names(degree))//" trend"
             if (channel%available%preprocess) call put_item(writer, "Cleaned", text)
          end associate
          if (channel%available%ar) call put_model()
@@ -257,8 +243,8 @@ contains
          call new_table(table, 2)
          call add_row(table, "", "RMSE")
          do i = 1, size(figures)
-            if (figures(i)%rmse_samples == 0) cycle
-            call add_row(table, trim(name(i)), number(figures(i)%rmse, 4))
+            if (figures(i)%rmse_samples > 0) call add_row(table, trim(name(i)), &
+                                                          number(figures(i)%rmse, 4))
          end do
          call put_table(writer, table)
          call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &

@@ -17,7 +17,7 @@ module gyroakf_report_text_report
    use gyroakf_report_remarks, only : put_remarks
    use gyroakf_report_tables, only : make_ar_table, make_comparison, make_filter_table
    use gyroakf_report_text_answer, only : put_answer
-   use gyroakf_report_text_chart, only : put_chart
+   use gyroakf_report_chart, only : put_chart
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_layout, only : count_text, if_known, number, put_heading, put_item, &
       put_paragraph, put_title
@@ -40,30 +40,27 @@ contains
       type(writer_type), intent(inout) :: writer
       !> run, allan, tests, ar or filter
       character(*), intent(in) :: command
-      !> What was read
       type(record_type), intent(in) :: record
       !> What was asked for
       type(pipeline_options), intent(in) :: options
-      !> What came out
       type(pipeline_result_type), intent(in) :: result
       !> Draw the Allan deviations in characters (default: yes)
       logical, intent(in), optional :: chart
       !> Everything (default); false: the first screen
       logical, intent(in), optional :: details
       type(record_type) :: view
-      logical :: drawn, all, answer
+      logical :: drawn, all
       integer :: c
 
       drawn = .true.
       if (present(chart)) drawn = chart
       all = .true.
       if (present(details)) all = details
-      answer = command == "run" .or. command == "allan"
       if (all) call put_title(writer, "gyroakf "//release_string//": "//report_subject(command)// &
                               if_known(options%preset /= "default", " (preset "// &
                                        trim(options%preset)//")"))
       if (.not. all) call put_input(writer, record, brief=.true.)
-      if (answer) call put_answer(writer, record, result)
+      if (command == "run" .or. command == "allan") call put_answer(writer, record, result)
       if (command /= "allan" .and. .not. all) call put_overview(writer, command, record, result)
       if (drawn) call put_chart(writer, record, result)
       call put_line(writer, "")
@@ -76,23 +73,19 @@ contains
       call put_input(writer, record)
       do c = 1, size(result%channel)
          call view_channel(record, c, view)
-         associate (channel => result%channel(c))
-            call put_heading(writer, "Channel "//channel%name, "=", verbatim=.true.)
-            call put_sections(writer, command, view, channel)
-         end associate
+         call put_heading(writer, "Channel "//result%channel(c)%name, "=", verbatim=.true.)
+         call put_sections(writer, command, view, result%channel(c))
       end do
    end subroutine write_report
 
    !> The sections of a command, for one channel; those of `run` are in the order of the paper's
    !> results.
    subroutine put_sections(writer, command, record, channel)
-      !> The report
       type(writer_type), intent(inout), target :: writer
       !> run, allan, tests, ar or filter
       character(*), intent(in) :: command
       !> For units and what is assumed
       type(record_type), intent(in) :: record
-      !> What came out
       type(channel_result_type), intent(in) :: channel
       type(text_description_type) :: out
       type(table_type) :: table
@@ -139,7 +132,6 @@ contains
 
    !> The deviation curves with their confidence limits, and the fitted model beside the first.
    subroutine put_curves_of(writer, record, allan, title)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> For the units
       type(record_type), intent(in) :: record

@@ -5,8 +5,7 @@ module gyroakf_report_text_table
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_report_html_markup, only : html_table
    use gyroakf_report_text_layout, only : pad_left, pad_right, put_heading, put_paragraph, &
-      report_width
-   use gyroakf_report_sign, only : to_unicode
+      report_width, to_unicode
    use gyroakf_utf8, only : text_width
    implicit none (type, external)
    private
@@ -17,8 +16,8 @@ module gyroakf_report_text_table
    !> subroutines below.
    type :: table_type
       !> [rows, columns] the head's rows first; a line feed in a cell begins a second line, as that
-      !> of an uncertainty. The texts are ASCII with the names of signs ([[gyroakf_report_sign]]),
-      !> names that a user gave are UTF-8
+      !> of an uncertainty. The texts are ASCII with the names of signs
+      !> ([[gyroakf_report_number_text]]), names that a user gave are UTF-8
       type(text_type), allocatable :: cell(:, :)
       !> Rows of the head: the first one names the columns, a second one has their units
       integer :: head = 1
@@ -41,7 +40,6 @@ contains
 
    !> An empty table.
    pure subroutine new_table(table, columns, head, left)
-      !> The table
       type(table_type), intent(out) :: table
       !> All columns
       integer, intent(in) :: columns
@@ -59,7 +57,6 @@ contains
    !> Adds a row; the cells that are not given are empty.
    pure subroutine add_row(table, cell_1, cell_2, cell_3, cell_4, cell_5, cell_6, cell_7, cell_8, &
                            cell_9)
-      !> The table
       type(table_type), intent(inout) :: table
       !> From the first column on; UTF-8
       character(*), intent(in), optional :: cell_1, cell_2, cell_3, cell_4, cell_5, cell_6, &
@@ -88,7 +85,6 @@ contains
 
    !> Fills the next cell of the last row.
    pure subroutine add_cell(table, text)
-      !> The table
       type(table_type), intent(inout) :: table
       !> UTF-8; absent: nothing is done
       character(*), intent(in), optional :: text
@@ -116,7 +112,6 @@ contains
    !> would else be too wide. What is still wider than a line goes on below, the columns of text
    !> repeated.
    subroutine put_table(writer, table, verbatim)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> Filled
       type(table_type), intent(in) :: table
@@ -127,13 +122,11 @@ contains
       integer :: gap, first, last, i, j
 
       shown = table
-      if (writer%unicode .and. .not. present(verbatim)) then
-         do j = 1, size(shown%cell, 2)
-            do i = 1, size(shown%cell, 1)
-               shown%cell(i, j)%text = to_unicode(table%cell(i, j)%text)
-            end do
+      do j = 1, merge(size(shown%cell, 2), 0, writer%unicode .and. .not. present(verbatim))
+         do i = 1, size(shown%cell, 1)
+            shown%cell(i, j)%text = to_unicode(table%cell(i, j)%text)
          end do
-      end if
+      end do
       if (writer%markup%on) then
          call html_table(writer, shown%cell, shown%head, shown%left)
          return
@@ -154,9 +147,8 @@ contains
          end do
          call column_widths(shown, width)
       end if
-      gap = 2
-      if (total(1, size(width), 2) > report_width .and. &
-          total(1, size(width), 1) <= report_width) gap = 1
+      gap = merge(1, 2, total(1, size(width), 2) > report_width .and. &
+                  total(1, size(width), 1) <= report_width)
       last = shown%left
       do
          first = last + 1
@@ -186,7 +178,6 @@ contains
 
    !> Writes the table below its number and caption, and the note under it.
    subroutine put_numbered(writer, table)
-      !> The report
       type(writer_type), intent(inout) :: writer
       !> With its texts; without a number where that is ""
       type(table_type), intent(in) :: table

@@ -101,9 +101,8 @@ contains
 
       text = ""
       if (.not. channel%available%ljung_box) return
-      if (whiteness_word(channel%ljung_box) == "colored") then
-         text = "the samples are correlated: the p-value is too small"
-      end if
+      if (whiteness_word(channel%ljung_box) == "colored") text = "the samples are correlated: "// &
+         "the p-value is too small"
    end function correlation_caution
 
    !> What Fisher's test says.
@@ -131,17 +130,14 @@ contains
       character(remark_length) :: text
 
       associate (drift => channel%drift)
-         if (drift%samples < drift%of_samples) then
-            write (text, "(2(a, i0), a)") "maximum likelihood from the middle ", &
-               drift%samples, " of ", drift%of_samples, " samples"
-         else
-            write (text, "(a, i0, a)") "maximum likelihood from ", drift%samples, " samples"
-         end if
+         write (text, "(a, i0, a)") "maximum likelihood from ", drift%samples, " samples"
+         if (drift%samples < drift%of_samples) write (text, "(2(a, i0), a)") &
+            "maximum likelihood from the middle ", drift%samples, " of ", drift%of_samples, &
+            " samples"
          if (drift%block > 1) write (text(len_trim(text) + 1:), "(a, i0, a)") &
             ", the slowest processes from means of ", drift%block, " samples over the whole record"
-         if (.not. drift%errors_known .and. drift%model%count > 0) then
-            text = trim(text)//"; standard errors are not known"
-         end if
+         if (.not. drift%errors_known .and. drift%model%count > 0) text = trim(text)// &
+            "; standard errors are not known"
       end associate
    end function drift_source_text
 
