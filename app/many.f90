@@ -5,8 +5,8 @@ module gyroakf_app_many
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf_utf8, only : make_readable
    use gyroakf_error, only : error_type, exit_code, status
-   use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, &
-      open_writer, writer_type
+   use gyroakf_io_writer, only : commit_writer, complete_writer, make_directory, open_writer, &
+      writer_type
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, &
@@ -19,7 +19,7 @@ module gyroakf_app_many
    use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : with_path
-   use gyroakf_app_system, only : open_report
+   use gyroakf_app_system, only : end_writers, open_report
    use gyroakf_app_words, only : usage_error
    implicit none (type, external)
    private
@@ -183,13 +183,7 @@ contains
          if (i > 1) call write_summary_json(writer(i), config%command, rows)
          call complete_writer(writer(i), error)
       end do
-      do i = 1, size(writer)
-         if (allocated(error)) then
-            call discard_writer(writer(i))
-         else if (writer(i)%complete) then
-            call commit_writer(writer(i), error)
-         end if
-      end do
+      call end_writers(writer, error)
    end subroutine write_files
 
 end module gyroakf_app_many

@@ -6,12 +6,12 @@ module gyroakf_app_system
    use gyroakf_kinds, only : int64
    use gyroakf_io_system, only : c_write, move_bytes
    use gyroakf_error, only : error_type
-   use gyroakf_io_writer, only : open_writer, writer_type
+   use gyroakf_io_writer, only : commit_writer, discard_writer, open_writer, writer_type
    use gyroakf_spelling, only : lower
    implicit none (type, external)
    private
    public :: c_isatty, c_raise, c_signal, c_write
-   public :: write_bytes, ignore_signal, open_report
+   public :: write_bytes, ignore_signal, open_report, end_writers
    public :: signal_hangup, signal_interrupt, signal_pipe, signal_terminate, signal_file_size
 
    !> Numbers that are the same on every POSIX system
@@ -79,6 +79,23 @@ contains
       if (colour == "auto") writer%colour = c_isatty(1_c_int) == 1 .and. &
          variable("NO_COLOR") == "" .and. variable("TERM") /= "dumb" .and. variable("TERM") /= ""
    end subroutine open_report
+
+   !> Lets complete files appear; after an error none of them.
+   subroutine end_writers(writer, error)
+      !> All are closed
+      type(writer_type), intent(inout) :: writer(:)
+      !> An earlier error stays; io
+      type(error_type), allocatable, intent(inout) :: error
+      integer :: i
+
+      do i = 1, size(writer)
+         if (allocated(error)) then
+            call discard_writer(writer(i))
+         else if (writer(i)%complete) then
+            call commit_writer(writer(i), error)
+         end if
+      end do
+   end subroutine end_writers
 
    !> The first of the variables that is set names the characters, as POSIX has it.
    logical function locale_is_utf8()

@@ -11,17 +11,17 @@
 !> from the record itself. Results do not depend on the number of threads.
 module gyroakf_pipeline
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_record, only : record_type, view_channel
+   use gyroakf_record, only : record_type, unit_of
    use gyroakf_io_place, only : integer_text
    use gyroakf_pipeline_result, only : allan_result_type, available_type, channel_result_type, &
       drift_process_type, filter_figures_type, new_channels, pipeline_options, &
       pipeline_result_type, stage, stage_names, stated_coefficient_type, stated_noise_type, &
       stated_read_off_type
    use gyroakf_pipeline_channel, only : run_channel
-   use gyroakf_pipeline_channel_periodicity, only : longest_part, longest_segment
-   use gyroakf_pipeline_channel_progress, only : channel_progress_type
+   use gyroakf_pipeline_channel_job, only : channel_progress_type, job_type
+   use gyroakf_pipeline_channel_tests, only : longest_part, longest_segment
    use gyroakf_pipeline_truth, only : check_truth, take_truth
    use gyroakf_pipeline_warnings, only : note_error
    implicit none (type, external)
@@ -115,7 +115,7 @@ contains
    !> Does the whole job for every channel of a record.
    subroutine run_pipeline(record, options, result, error, progress, truth)
       !> As `read_record` or `simulate_record` made it; not modified
-      type(record_type), intent(in) :: record
+      type(record_type), intent(in), target :: record
       !> What to do; the defaults are those of the program
       type(pipeline_options), intent(in) :: options
       !> One entry per channel
@@ -130,7 +130,8 @@ contains
       !> The true drift on the same grid, as `simulate_record` gives it: every filter gets its RMSE
       !> against it
       type(record_type), intent(in), optional :: truth
-      type(channel_progress_type) :: named
+      type(channel_progress_type), target :: named
+      type(job_type) :: job
       type(error_type), allocatable :: first
       integer :: channel, channels, failures, stat
 
@@ -148,24 +149,28 @@ contains
       result%duration = real(size(record%value, 1, kind=int64), dp)*record%sample_interval
       channels = size(record%value, 2)
       call new_channels(result, channels, stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the results of the channels")
-         return
+      call check_memory(stat, "the results of the channels", error)
+      if (allocated(error)) return
+      job%options = options
+      job%step = record%sample_interval
+      job%rate_known = record%rate_known
+      if (present(progress)) job%progress => progress
+      if (present(progress) .and. channels > 1) then
+         named%listener => progress
+         job%progress => named
       end if
       failures = 0
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
+         named%name = result%channel(channel)%name
          if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, &
             result%channel(channel), error)
          if (allocated(error)) return
-         if (present(progress) .and. channels > 1) then
-            named%listener => progress
-            named%name = result%channel(channel)%name
-            call run_one(record, channel, options, result%channel(channel), error, named)
-         else
-            call run_one(record, channel, options, result%channel(channel), error, progress)
-         end if
+         job%unit = unit_of(record, channel)
+         job%x => record%value(:, channel)
+         if (allocated(record%present)) job%recorded => record%present(:, channel)
+         call run_channel(job, result%channel(channel), error)
          if (allocated(error)) then
             if (all(error%code /= of_channel)) return
             failures = failures + 1
@@ -188,25 +193,5 @@ contains
       if (allocated(result%series_present) .or. .not. allocated(record%present)) return
       result%series_present = record%present(:, channel)
    end subroutine keep_input
-
-   !> One channel of a record.
-   subroutine run_one(record, channel, options, result, error, progress)
-      type(record_type), intent(in) :: record
-      !> Its number
-      integer, intent(in) :: channel
-      type(pipeline_options), intent(in) :: options
-      type(channel_result_type), intent(inout) :: result
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-      type(record_type) :: view
-
-      call view_channel(record, channel, view)
-      if (allocated(record%present)) then
-         call run_channel(view, record%value(:, channel), options, result, error, &
-                          record%present(:, channel), progress)
-      else
-         call run_channel(view, record%value(:, channel), options, result, error, progress=progress)
-      end if
-   end subroutine run_one
 
 end module gyroakf_pipeline

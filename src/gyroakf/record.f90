@@ -7,7 +7,8 @@ module gyroakf_record
    use gyroakf_units, only : unit_type
    implicit none (type, external)
    private
-   public :: record_type, audit_type, column_type, text_type, add_text, sample_count, view_channel
+   public :: record_type, audit_type, column_type, text_type, add_text, sample_count, unit_of, &
+      view_channel
 
    !> A string of its own length, for lists
    type :: text_type
@@ -157,6 +158,16 @@ contains
       if (allocated(record%value)) sample_count = size(record%value, 1, kind=int64)
    end function sample_count
 
+   !> Unit of a channel.
+   pure type(unit_type) function unit_of(record, channel)
+      type(record_type), intent(in) :: record
+      !> From 1
+      integer, intent(in) :: channel
+
+      unit_of = record%unit
+      if (allocated(record%channel_unit)) unit_of = record%channel_unit(channel)
+   end function unit_of
+
    !> One channel's record without its samples: rate, source and the unit that is the channel's.
    pure subroutine view_channel(record, channel, view)
       !> The whole
@@ -173,8 +184,7 @@ contains
       if (allocated(record%unit_source)) view%unit_source = record%unit_source
       view%sample_interval = record%sample_interval
       view%rate_known = record%rate_known
-      view%unit = record%unit
-      if (allocated(record%channel_unit)) view%unit = record%channel_unit(channel)
+      view%unit = unit_of(record, channel)
    end subroutine view_channel
 
 end module gyroakf_record

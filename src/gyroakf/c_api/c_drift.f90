@@ -40,14 +40,14 @@ module gyroakf_c_api_c_drift
 contains
 
    !> `gyroakf_drift_model_init`
-   subroutine gyroakf_drift_model_init(model) bind(C, name="gyroakf_drift_model_init")
+   subroutine gyroakf_drift_model_init(model) bind(C)
       type(drift_model_c), intent(out), optional :: model
 
       if (present(model)) model = drift_model_c(c_sizeof(model))
    end subroutine gyroakf_drift_model_init
 
    !> `gyroakf_drift_options_init`
-   subroutine gyroakf_drift_options_init(opt) bind(C, name="gyroakf_drift_options_init")
+   subroutine gyroakf_drift_options_init(opt) bind(C)
       type(drift_options_c), intent(out), optional :: opt
       type(drift_identification_options) :: defaults
 
@@ -55,8 +55,7 @@ contains
    end subroutine gyroakf_drift_options_init
 
    !> `gyroakf_drift_identify`
-   integer(c_int) function gyroakf_drift_identify(z, n, opt, model, err) &
-      & bind(C, name="gyroakf_drift_identify")
+   integer(c_int) function gyroakf_drift_identify(z, n, opt, model, err) bind(C)
       type(c_ptr), intent(in), value :: z
       integer(c_int64_t), intent(in), value :: n
       type(drift_options_c), intent(in), optional :: opt
@@ -82,8 +81,7 @@ contains
    end function gyroakf_drift_identify
 
    !> `gyroakf_drift_filter_new`
-   integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) &
-      & bind(C, name="gyroakf_drift_filter_new")
+   integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(filter_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
@@ -105,8 +103,7 @@ contains
    end function gyroakf_drift_filter_new
 
    !> `gyroakf_drift_smooth`
-   integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) &
-      & bind(C, name="gyroakf_drift_smooth")
+   integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(c_ptr), intent(in), value :: z, drift, variance
       integer(c_int64_t), intent(in), value :: n
@@ -119,7 +116,7 @@ contains
 
    !> `gyroakf_drift_smooth_watched`
    integer(c_int) function gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, &
-      & progress, progress_user, err) bind(C, name="gyroakf_drift_smooth_watched")
+      & progress, progress_user, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(c_ptr), intent(in), value :: z, drift, variance
       integer(c_int64_t), intent(in), value :: n

@@ -28,37 +28,13 @@ module gyroakf_c_api_c_host
       procedure :: advance => call_back
    end type callback_type
 
-   interface
-      !> Keeps the environment of the program and sets the default one (host.c)
-      subroutine set_aside(environment) bind(C, name="gyroakf_host_set_aside")
-         import :: c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(out) :: environment(64)
-      end subroutine set_aside
-
-      !> The kept environment again
-      subroutine restore(environment) bind(C, name="gyroakf_host_restore")
-         import :: c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(in) :: environment(64)
-      end subroutine restore
-
-      !> The same for a step of a filter; 0 where nothing had to be done
-      integer(c_int) function begin_step(environment) bind(C, name="gyroakf_host_begin_step")
-         import :: c_int, c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(out) :: environment(64)
-      end function begin_step
-
-      !> Ends it where begin_step was not 0
-      subroutine end_step(environment) bind(C, name="gyroakf_host_end_step")
-         import :: c_int64_t
-         implicit none (type, external)
-         integer(c_int64_t), intent(in) :: environment(64)
-      end subroutine end_step
-   end interface
-
    abstract interface
+      subroutine environment_interface(environment) bind(C)
+         import :: c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(inout) :: environment(64)
+      end subroutine environment_interface
+
       integer(c_int32_t) function progress_interface(user, stage, done, total) bind(C)
          import :: c_ptr, c_int32_t, c_int64_t, c_char
          implicit none (type, external)
@@ -66,6 +42,22 @@ module gyroakf_c_api_c_host
          character(kind=c_char), intent(in) :: stage(*)
          integer(c_int64_t), intent(in), value :: done, total
       end function progress_interface
+   end interface
+
+   !> Keeps the environment of the program and sets the default one (host.c)
+   procedure(environment_interface), bind(C, name="gyroakf_host_set_aside") :: set_aside
+   !> The kept environment again
+   procedure(environment_interface), bind(C, name="gyroakf_host_restore") :: restore
+   !> Ends a step of a filter where begin_step was not 0
+   procedure(environment_interface), bind(C, name="gyroakf_host_end_step") :: end_step
+
+   interface
+      !> As set_aside, for a step of a filter; 0 where nothing had to be done
+      integer(c_int) function begin_step(environment) bind(C, name="gyroakf_host_begin_step")
+         import :: c_int, c_int64_t
+         implicit none (type, external)
+         integer(c_int64_t), intent(inout) :: environment(64)
+      end function begin_step
    end interface
 
 contains

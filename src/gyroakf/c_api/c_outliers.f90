@@ -35,7 +35,7 @@ module gyroakf_c_api_c_outliers
 contains
 
    !> `gyroakf_outlier_options_init`
-   subroutine gyroakf_outlier_options_init(opt) bind(C, name="gyroakf_outlier_options_init")
+   subroutine gyroakf_outlier_options_init(opt) bind(C)
       type(outlier_options_c), intent(out), optional :: opt
       type(clean_options) :: defaults
 
@@ -45,8 +45,7 @@ contains
    end subroutine gyroakf_outlier_options_init
 
    !> `gyroakf_mark_outliers`
-   integer(c_int) function gyroakf_mark_outliers(x, n, opt, inlier, out, err) &
-      & bind(C, name="gyroakf_mark_outliers")
+   integer(c_int) function gyroakf_mark_outliers(x, n, opt, inlier, out, err) bind(C)
       type(c_ptr), intent(in), value :: x, inlier
       integer(c_int64_t), intent(in), value :: n
       type(outlier_options_c), intent(in), optional :: opt
@@ -69,7 +68,7 @@ contains
    end function gyroakf_mark_outliers
 
    !> `gyroakf_clean`
-   integer(c_int) function gyroakf_clean(x, n, opt, cleaned, out, err) bind(C, name="gyroakf_clean")
+   integer(c_int) function gyroakf_clean(x, n, opt, cleaned, out, err) bind(C)
       type(c_ptr), intent(in), value :: x, cleaned
       integer(c_int64_t), intent(in), value :: n
       type(outlier_options_c), intent(in), optional :: opt

@@ -13,14 +13,13 @@ module gyroakf_c_api_legacy
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    use gyroakf_filter_packed, only : packed_length, pack_filter, is_packed, step_packed, &
       & freeze_packed, packed_numbers
-   use gyroakf_c_api_c_ar, only : ar_options_c, gyroakf_ar_fit, gyroakf_ar_options_init
    use gyroakf_c_api_c_host, only : begin_step, end_step
    use gyroakf_c_api_c_series, only : adf_c, adf_options_c, gyroakf_adf_options_init, &
-      & gyroakf_adf_test
+      & gyroakf_adf_test, ar_options_c, gyroakf_ar_fit, gyroakf_ar_options_init
    use gyroakf_c_api_c_support, only : call_type, enter_library, leave_library, ok, open_series
    implicit none (type, external)
    private
-   public :: gyadev, gynfit, gyadft, gyarft, gyfini, gyfstp, gyfrun, gyfget, gyffrz
+   public :: gyadev, gynfit, gyadft, gyarft, gyfini, gyfstp, gyfrun, gyfget, gyffrz, first_bad
 
    !> KIND of GYADEV from 1 on
    character(6), parameter :: kinds(7) = [character(6) :: "oadev", "adev", "mdev", "tdev", "hdev", &
@@ -50,10 +49,8 @@ contains
       type(noise_type) :: noise
       type(error_type), allocatable :: unfitted
 
-      info = 0
       nt = 0
-      if (n < 2) info = -1
-      if (info == 0 .and. (kind < 1 .or. kind > size(kinds))) info = -4
+      info = first_bad([n < 2, .false., .false., kind < 1 .or. kind > size(kinds)])
       if (info /= 0) return
       call enter_library(c)
       options%kind = kinds(kind)
@@ -87,8 +84,7 @@ contains
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
 
-      info = 0
-      if (n < 2) info = -1
+      info = first_bad([n < 2])
       if (info /= 0) return
       call enter_library(c)
       call open_series(c_loc(x), int(n, c_int64_t), c)
@@ -114,9 +110,7 @@ contains
       type(adf_options_c) :: options
       type(adf_c) :: result
 
-      info = 0
-      if (n < 1) info = -1
-      if (info == 0 .and. maxlag < -1) info = -3
+      info = first_bad([n < 1, .false., maxlag < -1])
       if (info /= 0) return
       call gyroakf_adf_options_init(options)
       options%max_lags = maxlag
@@ -139,10 +133,8 @@ contains
       character(len(methods), c_char), target :: name
       type(ar_options_c) :: options
 
-      info = 0
-      if (n < 1) info = -1
-      if (info == 0 .and. (method < 1 .or. method > size(methods))) info = -3
-      if (info == 0 .and. (maxp < 0 .or. maxp > largest_order)) info = -4
+      info = first_bad([n < 1, .false., method < 1 .or. method > size(methods), &
+         & maxp < 0 .or. maxp > largest_order])
       if (info /= 0) return
       name = methods(method)
       call gyroakf_ar_options_init(options)
@@ -160,8 +152,7 @@ contains
       type(filter_options) :: options
       type(filter_type) :: filter
 
-      info = 0
-      if (ip < 0 .or. ip > largest_order) info = -1
+      info = first_bad([ip < 0 .or. ip > largest_order])
       if (info /= 0) return
       if (lwork == -1) then
          work(1) = real(packed_length(max(1, ip)), c_double)
@@ -213,10 +204,8 @@ contains
       integer(c_int) :: changed
       integer(c_int32_t) :: i
 
-      info = 0
-      if (n < 0) info = -2
       changed = begin_step(environment)
-      if (.not. is_packed(work(:2))) info = -1
+      info = first_bad([.not. is_packed(work(:2)), n < 0])
       if (info == 0) then
          do i = 1, n
             call step_packed(work(:packed_length(nint(work(2)))), z(i), estimate)
@@ -232,11 +221,9 @@ contains
       real(c_double), intent(out) :: state(9)
       integer(c_int32_t), intent(out) :: info
 
-      info = -1
       state = 0
-      if (.not. is_packed(work(:2))) return
-      info = 0
-      call packed_numbers(work(:packed_length(nint(work(2)))), state)
+      info = first_bad([.not. is_packed(work(:2))])
+      if (info == 0) call packed_numbers(work(:packed_length(nint(work(2)))), state)
    end subroutine gyfget
 
    !> CALL GYFFRZ(WORK, IFRZ, INFO): no adaptation from here on (IFRZ not 0), or again (0).
@@ -245,10 +232,16 @@ contains
       integer(c_int32_t), intent(in) :: ifrz
       integer(c_int32_t), intent(out) :: info
 
-      info = -1
-      if (.not. is_packed(work(:2))) return
-      info = 0
-      call freeze_packed(work(:packed_length(nint(work(2)))), ifrz /= 0)
+      info = first_bad([.not. is_packed(work(:2))])
+      if (info == 0) call freeze_packed(work(:packed_length(nint(work(2)))), ifrz /= 0)
    end subroutine gyffrz
+
+   !> INFO of the first bad argument, 0 where none is.
+   pure integer(c_int32_t) function first_bad(bad)
+      !> Argument by argument
+      logical, intent(in) :: bad(:)
+
+      first_bad = -findloc(bad, .true., dim=1)
+   end function first_bad
 
 end module gyroakf_c_api_legacy

@@ -10,6 +10,7 @@ module gyroakf_c_api_legacy_filters
       & gyroakf_filter_step
    use gyroakf_c_api_c_outliers, only : gyroakf_clean, gyroakf_outlier_options_init, &
       & outlier_options_c, outliers_c
+   use gyroakf_c_api_legacy, only : first_bad
    implicit none (type, external)
    private
    public :: gyclen, gyfdes, gyhstp, gyhfrz, gyhfre
@@ -26,9 +27,7 @@ contains
       type(outlier_options_c) :: options
       type(outliers_c) :: figures
 
-      info = 0
-      if (n < 1) info = -1
-      if (info == 0 .and. (ideg < -1 .or. ideg > 9)) info = -3
+      info = first_bad([n < 1, .false., ideg < -1 .or. ideg > 9])
       if (info /= 0) return
       call gyroakf_outlier_options_init(options)
       options%degree = ideg
@@ -47,9 +46,7 @@ contains
       type(c_ptr) :: handle
 
       ih = 0
-      info = 0
-      if (n < 1) info = -1
-      if (info == 0 .and. (kind < 1 .or. kind > size(kinds))) info = -4
+      info = first_bad([n < 1, .false., .false., kind < 1 .or. kind > size(kinds)])
       if (info /= 0) return
       name = trim(kinds(kind))//c_null_char
       info = gyroakf_filter_identify(c_loc(name), c_loc(x), int(n, c_int64_t), dt, out=handle, &

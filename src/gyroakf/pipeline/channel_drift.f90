@@ -2,10 +2,8 @@
 !> The drift of one channel: identified from the record as read, its processes stated in the units
 !> of the report.
 module gyroakf_pipeline_channel_drift
-   use gyroakf_kinds, only : dp, int8
+   use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
-   use gyroakf_progress, only : progress_type
-   use gyroakf_record, only : record_type
    use gyroakf_allan_noise_fit, only : coefficient_type
    use gyroakf_allan_noise_model, only : term_walk
    use gyroakf_io_decimal, only : format_real
@@ -14,8 +12,8 @@ module gyroakf_pipeline_channel_drift
    use gyroakf_filter_drift_identification, only : drift_identification_options, &
       identify_drift_model
    use gyroakf_pipeline_coefficients, only : state_one
-   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, pipeline_options, &
-      stage
+   use gyroakf_pipeline_channel_job, only : job_type
+   use gyroakf_pipeline_result, only : channel_result_type, drift_process_type, stage
    use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
@@ -30,52 +28,42 @@ contains
 
    !> Identifies the drift; what is not slower than `drift_tau` is noise. A failure is noted in the
    !> channel.
-   subroutine find_drift(z, record, options, channel, error, valid, progress)
+   subroutine find_drift(z, job, channel, error)
       !> Record as read without its outliers, less its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Sample interval and unit
-      type(record_type), intent(in) :: record
-      !> Of the main job
-      type(pipeline_options), intent(in) :: options
+      !> The channel in work
+      type(job_type), intent(in) :: job
       !> `drift` and what is stated of it are filled
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
       type(drift_identification_options) :: how
-      real(dp) :: step
 
-      step = record%sample_interval
-      channel%drift_tau = options%drift_tau
+      channel%drift_tau = job%options%drift_tau
       if (channel%drift_tau <= 0.0_dp) channel%drift_tau = &
-         max(drift_samples*step, merge(drift_seconds, 0.0_dp, record%rate_known))
-      how = options%identification
-      how%drift_samples = min(channel%drift_tau, longest_time)/step
-      call identify_drift_model(z, how, channel%drift, error, valid, progress)
+         max(drift_samples*job%step, merge(drift_seconds, 0.0_dp, job%rate_known))
+      how%drift_samples = min(channel%drift_tau, longest_time)/job%step
+      call identify_drift_model(z, how, channel%drift, error, job%valid, job%progress)
       channel%available%drift = .not. allocated(error)
       call note_failure(channel, "drift identification", error)
       if (.not. channel%available%drift) channel%drift%found = .false.
-      if (channel%available%drift) call state_drift(record, channel)
+      if (channel%available%drift) call state_drift(job, channel)
    end subroutine find_drift
 
    !> States the model: times in s, standard deviations, the random walk as a coefficient K.
-   subroutine state_drift(record, channel)
-      type(record_type), intent(in) :: record
-      !> `drift` is filled
+   subroutine state_drift(job, channel)
+      type(job_type), intent(in) :: job
       type(channel_result_type), intent(inout) :: channel
       integer :: i
 
       if (allocated(channel%drift_process)) deallocate (channel%drift_process)
       associate (drift => channel%drift)
-         channel%drift_time = drift%correlation_samples*record%sample_interval
+         channel%drift_time = drift%correlation_samples*job%step
          if (drift%errors_known .and. drift%white_std > 0.0_dp) channel%white_std_error = &
             0.5_dp*drift%std_error%r/drift%white_std
          allocate (channel%drift_process(drift%model%count))
          do i = 1, drift%model%count
-            call state_process(drift%model, drift%std_error, i, record, channel%drift_process(i))
+            call state_process(drift%model, drift%std_error, i, job, channel%drift_process(i))
             channel%drift_process(i)%slow = drift%slow(i)
          end do
       end associate
@@ -86,17 +74,16 @@ contains
    !>    \quad \sigma^2 = \frac{q}{1 - \phi^2} $$
    !> The random walk is also stated as the coefficient K, \( K = \sqrt{q/t_0} \), in the unit of
    !> Table III.
-   subroutine state_process(model, std_error, i, record, process)
+   subroutine state_process(model, std_error, i, job, process)
       !> The model and its standard errors, 0 where they are not known
       type(component_model_type), intent(in) :: model, std_error
       !> Which of its processes
       integer, intent(in) :: i
-      type(record_type), intent(in) :: record
-      !> Stated
+      type(job_type), intent(in) :: job
       type(drift_process_type), intent(inout) :: process
       type(coefficient_type) :: k
 
-      associate (phi => model%phi(i), q => model%q(i), step => record%sample_interval)
+      associate (phi => model%phi(i), q => model%q(i), step => job%step)
          process%phi = phi
          process%walk = phi >= 1.0_dp
          if (process%walk) then
@@ -106,10 +93,9 @@ contains
             k%std_error = process%std_error/sqrt(step)
             k%fitted = .true.
             k%detected = .true.
-            call state_one(k, 4, record%rate_known, record%unit, process%k)
+            call state_one(k, 4, job%rate_known, job%unit, process%k)
             return
          end if
-         process%phi_error = std_error%phi(i)
          process%std = sqrt(q/((1.0_dp - phi)*(1.0_dp + phi)))
          if (.not. phi > 0.0_dp) return
          process%time = -step/log(phi)

@@ -3,15 +3,13 @@
 !> filter of the cleaned series.
 module gyroakf_pipeline_channel_filters
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type
-   use gyroakf_record, only : record_type
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_filter_design, only : design_akf, design_drift_akf, design_drift_kf, design_kf
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_stats_differences, only : difference_variance
-   use gyroakf_pipeline_result, only : pipeline_options, channel_result_type, filter_figures_type, &
-      stage
+   use gyroakf_pipeline_channel_job, only : job_type
+   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type, stage
    use gyroakf_pipeline_coefficients, only : run_allan
    use gyroakf_pipeline_truth, only : compute_rmse
    use gyroakf_pipeline_warnings, only : note_failure
@@ -24,48 +22,46 @@ contains
    !> Filters the cleaned series with the paper's filters, and computes the Allan curves of their
    !> outputs.
    !>
-   !> One filtered series is alive at a time unless `options%keep_series`.
-   subroutine run_filters(record, z, mean, options, channel, error, valid, progress)
-      !> Sample interval and unit are taken from it
-      type(record_type), intent(in) :: record
+   !> One filtered series is alive at a time unless `keep_series`.
+   subroutine run_filters(job, z, mean, channel, error)
+      !> The channel in work
+      type(job_type), intent(in) :: job
       !> Cleaned series without its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
       !> The mean that was subtracted
       real(dp), intent(in) :: mean
-      !> Options of the main job
-      type(pipeline_options), intent(in) :: options
       !> `ar` is filled; filter results, figures and curves are filled here
       type(channel_result_type), intent(inout) :: channel
       !> no_memory and the like; a filter that cannot be designed is noted in the channel
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
       real(dp), allocatable :: x(:)
       real(dp) :: differences
 
       channel%designed_mean = mean
-      call run_filter("kf", z, mean, 0.0_dp, x, options, channel, error, valid, progress)
+      call run_filter("kf", job, z, mean, 0.0_dp, x, channel, error)
       if (allocated(error)) return
-      if (options%do_allan .and. channel%available%kf) then
-         call run_allan(x, record, options, stage%kf, channel, error, valid, progress)
+      if (job%options%do_allan .and. channel%available%kf) then
+         call run_allan(job, x, stage%kf, channel, error)
          if (allocated(error)) return
       end if
-      if (options%keep_series) call move_alloc(x, channel%series_kf)
-      differences = difference_variance(z, valid)
-      call run_filter("akf", z, mean, differences, x, options, channel, error, valid, progress)
-      if (options%do_allan .and. channel%available%akf .and. .not. allocated(error)) then
-         call run_allan(x, record, options, stage%akf, channel, error, valid, progress)
+      if (job%options%keep_series) call move_alloc(x, channel%series_kf)
+      differences = difference_variance(z, job%valid)
+      call run_filter("akf", job, z, mean, differences, x, channel, error)
+      if (job%options%do_allan .and. channel%available%akf .and. .not. allocated(error)) then
+         call run_allan(job, x, stage%akf, channel, error)
       end if
-      if (options%keep_series .and. .not. allocated(error)) call move_alloc(x, channel%series_akf)
+      if (job%options%keep_series .and. .not. allocated(error)) then
+         call move_alloc(x, channel%series_akf)
+      end if
    end subroutine run_filters
 
    !> Designs a filter and runs it; what cannot be done is noted in the channel. Where one filter
    !> shall be made only, it is kept there instead, and the others are left out.
-   subroutine run_filter(name, z, mean, differences, x, options, channel, error, valid, progress)
+   subroutine run_filter(name, job, z, mean, differences, x, channel, error)
       !> "kf", "akf", "drift_kf" or "drift_akf"
       character(*), intent(in) :: name
+      !> The channel in work
+      type(job_type), intent(in) :: job
       !> The series: [n], without this mean
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(in) :: mean
@@ -73,16 +69,10 @@ contains
       real(dp), intent(in) :: differences
       !> The output; its memory is taken where it is there
       real(dp), allocatable, intent(inout) :: x(:)
-      !> Of the main job
-      type(pipeline_options), intent(in) :: options
       !> What the filter did, and its figures; gets a note
       type(channel_result_type), intent(inout) :: channel
       !> That of its design where it shall be made only; no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
       type(filter_type) :: filter
       type(filter_result_type) :: filtered
       type(filter_figures_type) :: figures
@@ -90,38 +80,39 @@ contains
       logical :: of_drift
       integer :: stat
 
-      if (options%design_only /= "" .and. options%design_only /= name) return
+      if (job%options%design_only /= "" .and. job%options%design_only /= name) return
       call reserve(x, size(z, kind=int64), error)
       if (allocated(error)) return
       of_drift = index(name, "drift") == 1
       select case (name)
       case ("kf")
          title = "Kalman filter"
-         call design_kf(channel%filter_ar, options%design, filter, error)
+         call design_kf(channel%filter_ar, job%options%design, filter, error)
       case ("akf")
          title = "adaptive Kalman filter"
-         call design_akf(channel%filter_ar, differences, options%design, filter, error)
+         call design_akf(channel%filter_ar, differences, job%options%design, filter, error)
       case ("drift_kf")
          title = "drift Kalman filter"
          call design_drift_kf(channel%drift, filter, error)
       case default
          title = "adaptive drift filter"
-         call design_drift_akf(channel%drift, differences, options%drift, filter, error)
+         call design_drift_akf(channel%drift, differences, job%options%drift, filter, error)
       end select
-      if (options%design_only /= "") then
+      if (job%options%design_only /= "") then
          if (allocated(error)) return
          allocate (channel%designed, source=filter, stat=stat)
-         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a filter")
+         call check_memory(stat, "a filter", error)
          return
       end if
-      if (.not. allocated(error)) call filter_series(filter, z, x, filtered, error, valid, progress)
+      if (.not. allocated(error)) call filter_series(filter, z, x, filtered, error, job%valid, &
+                                                     job%progress)
       if (allocated(error)) then
          call note_failure(channel, trim(title), error)
          return
       end if
       if (of_drift) filtered%mean = filtered%mean + mean
       figures = figures_of(filtered, merge(channel%level%variance, channel%cleaned%variance, &
-                                           of_drift), x, mean, .not. of_drift, channel, valid)
+                                           of_drift), x, mean, .not. of_drift, channel, job%valid)
       select case (name)
       case ("kf"); call keep(channel%available%kf, channel%kf, channel%kf_figures)
       case ("akf"); call keep(channel%available%akf, channel%akf, channel%akf_figures)
@@ -163,9 +154,6 @@ contains
       type(filter_figures_type) :: figures
 
       if (input_variance > 0.0_dp) figures%variance_ratio = filtered%variance/input_variance
-      associate (raw => channel%raw%variance)
-         if (raw > 0.0_dp) figures%raw_variance_ratio = filtered%variance/raw
-      end associate
       figures%passed_percent = 100.0_dp*filtered%dc_gain
       figures%lost_percent = 100.0_dp - figures%passed_percent
       call compute_rmse(x, mean, detrended, channel, figures%rmse, figures%rmse_samples, valid)
@@ -179,11 +167,11 @@ contains
       integer(int64), intent(in) :: n
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
-      integer :: failed
+      integer :: stat
 
       if (allocated(x)) return
-      allocate (x(n), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a filtered series")
+      allocate (x(n), stat=stat)
+      call check_memory(stat, "a filtered series", error)
    end subroutine reserve
 
 end module gyroakf_pipeline_channel_filters

@@ -11,8 +11,8 @@
 !> $$ \mathrm{RMSE} = \sqrt{\frac1n \sum_k (\hat x_k - (d_k - p_k - \mu))^2} $$
 module gyroakf_pipeline_truth
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_record, only : record_type
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
+   use gyroakf_record, only : record_type, unit_of
    use gyroakf_units, only : quantity, unit_type
    use gyroakf_stats_trend, only : subtract_trend
    use gyroakf_pipeline_result, only : channel_result_type
@@ -94,31 +94,20 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(unit_type) :: from, to
       real(dp) :: factor
-      integer :: failed
+      integer :: stat
 
-      allocate (result%true_drift(size(truth%value, 1, kind=int64)), stat=failed)
-      if (failed == 0 .and. allocated(truth%present)) then
-         allocate (result%true_drift_present, source=truth%present(:, channel), stat=failed)
+      allocate (result%true_drift(size(truth%value, 1, kind=int64)), stat=stat)
+      if (stat == 0 .and. allocated(truth%present)) then
+         allocate (result%true_drift_present, source=truth%present(:, channel), stat=stat)
       end if
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the true drift")
-         return
-      end if
+      call check_memory(stat, "the true drift", error)
+      if (allocated(error)) return
       from = unit_of(truth, channel)
       to = unit_of(record, channel)
       factor = 1.0_dp
       if (from%quantity /= quantity%unknown) factor = from%to_si/to%to_si
       result%true_drift(:) = factor*truth%value(:, channel)
    end subroutine take_truth
-
-   !> Unit of a channel.
-   pure type(unit_type) function unit_of(record, channel)
-      type(record_type), intent(in) :: record
-      integer, intent(in) :: channel
-
-      unit_of = record%unit
-      if (allocated(record%channel_unit)) unit_of = record%channel_unit(channel)
-   end function unit_of
 
    !> RMSE of an estimate of the drift.
    pure subroutine compute_rmse(x, mean, detrended, channel, rmse, samples, valid)
