@@ -15,10 +15,8 @@ module gyroakf_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type, unit_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_pipeline_result, only : allan_result_type, available_type, channel_result_type, &
-      drift_process_type, filter_figures_type, new_channels, pipeline_options, &
-      pipeline_result_type, stage, stage_names, stated_coefficient_type, stated_noise_type, &
-      stated_read_off_type
+   use gyroakf_pipeline_result, only : channel_result_type, new_channels, pipeline_options, &
+      pipeline_result_type, stage
    use gyroakf_pipeline_channel, only : run_channel
    use gyroakf_pipeline_channel_job, only : channel_progress_type, job_type
    use gyroakf_pipeline_channel_tests, only : longest_part, longest_segment
@@ -26,10 +24,7 @@ module gyroakf_pipeline
    use gyroakf_pipeline_warnings, only : note_error
    implicit none (type, external)
    private
-   public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
-   public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type
-   public :: filter_figures_type, drift_process_type, stage, stage_names
-   public :: check_truth
+   public :: pipeline_options, pipeline_result_type, channel_result_type, stage, check_truth
    public :: apply_preset, run_pipeline, estimate_memory, minimum_samples
 
    !> A shorter record is an error
@@ -175,7 +170,7 @@ contains
             if (all(error%code /= of_channel)) return
             failures = failures + 1
             if (failures == 1) first = error
-            call note_error(result%channel(channel), "the rest of the analysis", error)
+            call note_error(result%channel(channel)%unavailable, "the rest of the analysis", error)
             if (options%keep_series) call keep_input(record, channel, result%channel(channel))
          end if
       end do

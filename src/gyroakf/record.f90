@@ -15,6 +15,8 @@ module gyroakf_record
       character(:), allocatable :: text
       !> In a list of warnings: a note states what was done; a warning, what can make a number wrong
       logical :: note = .false.
+      !> In a list of failures: the status of the error
+      integer :: code = 0
    end type text_type
 
    !> What was found while reading
@@ -143,6 +145,7 @@ contains
       do i = 1, n
          call move_alloc(list(i)%text, longer(i)%text)
          longer(i)%note = list(i)%note
+         longer(i)%code = list(i)%code
       end do
       longer(n + 1)%text = text
       if (present(note)) longer(n + 1)%note = note

@@ -89,8 +89,8 @@ contains
          if (allocated(channel%designed)) then
             handle = channel%designed
             mean = channel%designed_mean
-         else if (channel%first_failure /= status%ok) then
-            call fatal_error(c%error, channel%first_failure, channel%unavailable(1)%text)
+         else if (allocated(channel%unavailable)) then
+            call fatal_error(c%error, channel%unavailable(1)%code, channel%unavailable(1)%text)
          else
             call fatal_error(c%error, status%invalid_argument, &
                & "the series has no drift that a filter could follow")

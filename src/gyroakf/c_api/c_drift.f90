@@ -12,10 +12,9 @@ module gyroakf_c_api_c_drift
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_c_api_c_filter, only : filter_options_c, new_handle, hand_over, read_options
-   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_host, only : check_aligned, check_apart, progress_c
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_struct_size, check_place, check_finite, open_options, open_series
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, &

@@ -9,10 +9,9 @@ module gyroakf_c_api_c_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
       & run_filter, freeze_filter
    use gyroakf_progress, only : report_progress
-   use gyroakf_c_api_c_host, only : begin_step, end_step
+   use gyroakf_c_api_c_host, only : check_aligned, check_apart, begin_step, end_step
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_struct_size, check_place, check_finite, take_text, max_samples
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, &

@@ -7,10 +7,9 @@ module gyroakf_c_api_c_outliers
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_host, only : check_aligned, check_apart, progress_c
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_place, check_finite, open_options, open_series, take_text
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_outlier_options_init, gyroakf_mark_outliers, gyroakf_clean

@@ -12,9 +12,9 @@ module gyroakf_c_api_c_recording
    use gyroakf_record, only : record_type, text_type, unit_of
    use gyroakf_units, only : unit_type
    use gyroakf_utf8, only : make_readable
+   use gyroakf_c_api_c_host, only : check_aligned
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_place, copy_c_text, max_samples
-   use gyroakf_c_api_c_places, only : check_aligned
    implicit none (type, external)
    private
    public :: record_handle, new_handle, hand_over

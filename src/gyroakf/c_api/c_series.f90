@@ -7,10 +7,9 @@ module gyroakf_c_api_c_series
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
-   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_host, only : check_aligned, check_apart, copy_out, progress_c
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_place, check_finite, open_options, open_series, take_text
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart, copy_out
    implicit none (type, external)
    private
    public :: gyroakf_adf_options_init, gyroakf_adf_test, adf_options_c, adf_c

@@ -18,8 +18,7 @@ module gyroakf_c_api_c_support
    use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_utf8, only : make_readable
    use gyroakf_allan_block_sums, only : count_non_finite
-   use gyroakf_c_api_c_host, only : progress_c, callback_type, set_aside, restore
-   use gyroakf_c_api_c_places, only : check_aligned
+   use gyroakf_c_api_c_host, only : check_aligned, progress_c, callback_type, set_aside, restore
    implicit none (type, external)
    private
    public :: error_c, call_type, enter_library, leave_library, ok, open_options, open_series

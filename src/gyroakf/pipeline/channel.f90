@@ -14,10 +14,9 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_result, only : channel_result_type, stage
    use gyroakf_pipeline_channel_job, only : job_type
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients, withhold
-   use gyroakf_pipeline_channel_filters, only : run_filters
-   use gyroakf_pipeline_channel_model, only : run_ar
+   use gyroakf_pipeline_channel_filters, only : run_drift_filters, run_filters
+   use gyroakf_pipeline_channel_models, only : run_ar
    use gyroakf_pipeline_channel_tests, only : find_step, plan_pass, run_periodicity, run_tests
-   use gyroakf_pipeline_drift_filters, only : run_drift_filters
    use gyroakf_pipeline_verdict, only : examine_means, judge
    use gyroakf_pipeline_warnings, only : note_failure, warn_outliers, warn_curve, warn_fit, &
       warn_halves, warn_centred
@@ -56,8 +55,8 @@ contains
       if (detrended .or. job%options%clean%method /= "none") then
          call clean_series(job%x, job%options%clean, cleaned, present_samples, channel%clean, &
                            error, job%recorded, job%progress)
-         channel%available%preprocess = .not. allocated(error)
-         call note_failure(channel, "outliers and trend", error)
+         call note_failure(channel%unavailable, "outliers and trend", error, &
+            channel%available%preprocess)
          if (allocated(error)) return
       end if
       if (channel%available%preprocess) then
@@ -166,8 +165,8 @@ contains
             call compare_halves(job%x, job%step, noise, &
                                 halves_options(min_coverage=job%options%allan%min_coverage), &
                                 channel%halves, error, job%recorded, job%progress)
-            channel%available%halves = .not. allocated(error)
-            call note_failure(channel, "comparison of the record's halves", error)
+            call note_failure(channel%unavailable, "comparison of the record's halves", error, &
+               channel%available%halves)
          end if
       end associate
       if (.not. allocated(error)) call warn_halves(channel, job%rate_known)

@@ -1,21 +1,30 @@
 ! SPDX-License-Identifier: MIT
-!> The four filters of one channel, and the series of the paper's two: Kalman and adaptive Kalman
-!> filter of the cleaned series.
+!> The filters of one channel: the paper's, of the cleaned series, and the recommended ones, of the
+!> drift that the record itself shows.
+!>
+!> The latter work on the record as read without its outliers: a polynomial that was fitted to the
+!> whole record is not there while a sensor is in use, and a random walk follows what it would
+!> remove. Off line the smoother sees the record from both sides; what is left of the record without
+!> the smoothed drift is `compensated`.
 module gyroakf_pipeline_channel_filters
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : check_memory, error_type
-   use gyroakf_filter_design, only : design_akf, design_drift_akf, design_drift_kf, design_kf
+   use gyroakf_filter_design, only : adaptive_drift, design_akf, design_drift_akf, &
+      design_drift_kf, design_kf
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_kalman, only : filter_type
+   use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_stats_differences, only : difference_variance
+   use gyroakf_stats_moments, only : compute_moments, moments_type
+   use gyroakf_pipeline_coefficients, only : run_allan
+   use gyroakf_pipeline_channel_models, only : find_drift, judge_model, smoothed_share
    use gyroakf_pipeline_channel_job, only : job_type
    use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type, stage
-   use gyroakf_pipeline_coefficients, only : run_allan
    use gyroakf_pipeline_truth, only : compute_rmse
    use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
-   public :: run_filters, run_filter, figures_of, reserve
+   public :: run_filters, run_drift_filters
 
 contains
 
@@ -55,12 +64,120 @@ contains
       end if
    end subroutine run_filters
 
+   !> Identifies the drift, filters and smooths it, and computes the Allan curve of the record
+   !> without it.
+   !>
+   !> Alive at a time: the record without its mean, one output, the white noise of each sample;
+   !> afterwards one series and what its Allan curve takes. With `keep_series` all outputs stay.
+   subroutine run_drift_filters(job, channel, error)
+      !> The channel in work; the samples as read are filtered
+      type(job_type), intent(in) :: job
+      !> Drift, filter results, figures and the curve are filled
+      type(channel_result_type), intent(inout) :: channel
+      !> no_memory, cancelled and the like; what cannot be done is noted in the channel
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), allocatable :: z(:), drift(:)
+      real(dp) :: differences, mean
+      integer(int64) :: n
+
+      if (any(job%options%design_only == [character(3) :: "kf", "akf"])) return
+      n = size(job%x, kind=int64)
+      mean = channel%level%mean
+      call reserve(z, n, error)
+      if (allocated(error)) return
+      z(:) = job%x - mean
+      call find_drift(z, job, channel, error)
+      if (allocated(error) .or. .not. channel%drift%found) return
+      differences = difference_variance(z, job%valid)
+      channel%designed_mean = mean
+      call run_filter("drift_kf", job, z, mean, differences, drift, channel, error)
+      if (allocated(error)) return
+      if (channel%available%drift_kf) call keep(drift, channel%series_drift_kf)
+      call judge_model(channel)
+      call run_filter("drift_akf", job, z, mean, differences, drift, channel, error)
+      if (allocated(error)) return
+      if (channel%available%drift_akf) call keep(drift, channel%series_drift_akf)
+      if (job%options%design_only /= "") return
+      call reserve(drift, n, error)
+      if (.not. allocated(error)) call run_smoother(job, z, drift, differences, channel, error)
+      if (allocated(error) .or. .not. channel%available%drift_smoother) return
+      deallocate (z)
+      call compensate(job, drift, channel, error)
+
+   contains
+
+      !> Keeps an output, with the level, where it is wanted.
+      subroutine keep(output, series)
+         real(dp), allocatable, intent(inout) :: output(:), series(:)
+
+         if (.not. job%options%keep_series) return
+         output(:) = output + mean
+         call move_alloc(output, series)
+      end subroutine keep
+
+   end subroutine run_drift_filters
+
+   !> The drift from both sides, the variance of the white noise at each sample too.
+   subroutine run_smoother(job, z, drift, differences, channel, error)
+      type(job_type), intent(in) :: job
+      !> Without its mean: [n]
+      real(dp), intent(in), contiguous :: z(:)
+      !> Smoothed: [n]
+      real(dp), intent(out), contiguous :: drift(:)
+      !> Variance of the differences
+      real(dp), intent(in) :: differences
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable, intent(out) :: error
+      type(moments_type) :: moments
+
+      associate (model => channel%drift%model, result => channel%drift_smoother, &
+                 slow => channel%drift%slow(:channel%drift%model%count))
+         call smooth_adaptive(model, slow, adaptive_drift(job%options%drift, 0.5_dp*differences), &
+                              z, drift, error, job%valid, progress=job%progress)
+         call note_failure(channel%unavailable, "drift smoother", error, &
+            channel%available%drift_smoother)
+         if (.not. channel%available%drift_smoother) return
+         call compute_moments(drift, moments, job%valid)
+         result%mean = moments%mean + channel%level%mean
+         result%variance = moments%variance
+         result%dc_gain = smoothed_share(channel)
+         result%q = sum(model%q(:model%count), mask=slow)
+         result%r = model%r
+         result%forgetting = job%options%drift%forgetting
+         result%steps = size(drift, kind=int64)
+         allocate (result%estimate(1))
+         result%estimate(1)%text = "R"
+         channel%drift_smoother_figures = figures_of(result, channel%level%variance, drift, &
+            channel%level%mean, .false., channel, job%valid)
+      end associate
+   end subroutine run_smoother
+
+   !> The record without the smoothed drift, and its Allan curve.
+   subroutine compensate(job, drift, channel, error)
+      type(job_type), intent(in) :: job
+      !> Smoothed, without the level: [n]
+      real(dp), allocatable, intent(inout) :: drift(:)
+      type(channel_result_type), intent(inout) :: channel
+      type(error_type), allocatable, intent(out) :: error
+
+      if (job%options%keep_series) then
+         call reserve(channel%series_drift, size(drift, kind=int64), error)
+         if (allocated(error)) return
+         channel%series_drift(:) = drift + channel%level%mean
+      end if
+      drift(:) = job%x - channel%level%mean - drift
+      call compute_moments(drift, channel%compensated, job%valid)
+      if (channel%level%variance > 0.0_dp) channel%compensated_ratio = &
+         channel%compensated%variance/channel%level%variance
+      if (job%options%do_allan) call run_allan(job, drift, stage%compensated, channel, error)
+      if (job%options%keep_series) call move_alloc(drift, channel%series_compensated)
+   end subroutine compensate
+
    !> Designs a filter and runs it; what cannot be done is noted in the channel. Where one filter
    !> shall be made only, it is kept there instead, and the others are left out.
    subroutine run_filter(name, job, z, mean, differences, x, channel, error)
       !> "kf", "akf", "drift_kf" or "drift_akf"
       character(*), intent(in) :: name
-      !> The channel in work
       type(job_type), intent(in) :: job
       !> The series: [n], without this mean
       real(dp), intent(in), contiguous :: z(:)
@@ -69,7 +186,6 @@ contains
       real(dp), intent(in) :: differences
       !> The output; its memory is taken where it is there
       real(dp), allocatable, intent(inout) :: x(:)
-      !> What the filter did, and its figures; gets a note
       type(channel_result_type), intent(inout) :: channel
       !> That of its design where it shall be made only; no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
@@ -107,7 +223,7 @@ contains
       if (.not. allocated(error)) call filter_series(filter, z, x, filtered, error, job%valid, &
                                                      job%progress)
       if (allocated(error)) then
-         call note_failure(channel, trim(title), error)
+         call note_failure(channel%unavailable, trim(title), error)
          return
       end if
       if (of_drift) filtered%mean = filtered%mean + mean
@@ -139,7 +255,6 @@ contains
    !> Ratios of variances, and the RMSE where the true drift is known.
    pure function figures_of(filtered, input_variance, x, mean, detrended, channel, valid) &
       result(figures)
-      !> What the filter did
       type(filter_result_type), intent(in) :: filtered
       !> Of the series that it filtered
       real(dp), intent(in) :: input_variance
@@ -147,9 +262,7 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: mean
       logical, intent(in) :: detrended
-      !> `raw` is filled
       type(channel_result_type), intent(in) :: channel
-      !> 1 present, 0 missing: [n]
       integer(int8), intent(in), optional :: valid(:)
       type(filter_figures_type) :: figures
 
@@ -161,11 +274,8 @@ contains
 
    !> Memory for one series, where there is none yet.
    subroutine reserve(x, n, error)
-      !> Allocated afterwards
       real(dp), allocatable, intent(inout) :: x(:)
-      !> Samples
       integer(int64), intent(in) :: n
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
       integer :: stat
 

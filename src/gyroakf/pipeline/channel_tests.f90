@@ -75,8 +75,7 @@ contains
       call report_progress("steps of the samples", 0_int64, 0_int64, error, job%progress)
       if (allocated(error)) return
       call find_quantisation(job%x, channel%cleaned%std, channel%quantisation, error, job%valid)
-      channel%available%quantisation = .not. allocated(error)
-      call note_failure(channel, "quantisation", error)
+      call note_failure(channel%unavailable, "quantisation", error, channel%available%quantisation)
    end subroutine find_step
 
    !> All tests of a series.
@@ -100,18 +99,16 @@ contains
       if (allocated(error)) return
       call plan_pass(job, moments, shared)
       call test_adf(z, job%options%adf, channel%adf, error, job%valid, shared, job%progress)
-      channel%available%adf = .not. allocated(error)
-      call note_failure(channel, "ADF test", error)
+      call note_failure(channel%unavailable, "ADF test", error, channel%available%adf)
       if (allocated(error)) return
       call need_autocovariance(z, shared, error, job%valid)       ! where the test came to nothing
       if (allocated(error)) return
       call test_kpss(z, job%options%kpss, channel%kpss, error, job%valid, job%progress)
-      channel%available%kpss = .not. allocated(error)
-      call note_failure(channel, "KPSS test", error)
+      call note_failure(channel%unavailable, "KPSS test", error, channel%available%kpss)
       if (allocated(error)) return
       call test_jarque_bera(moments, channel%jarque_bera, error)
-      channel%available%jarque_bera = .not. allocated(error)
-      call note_failure(channel, "Jarque-Bera test", error)
+      call note_failure(channel%unavailable, "Jarque-Bera test", error, &
+         channel%available%jarque_bera)
       if (.not. allocated(error)) call report_progress("testing", 2*n, 3*n, error, job%progress)
       if (allocated(error)) return
       call run_correlation(z, job, shared, channel, error)
@@ -148,8 +145,7 @@ contains
          channel%available%ljung_box = .not. allocated(error)
       end if
       if (.not. allocated(error)) call correlation_of(r, n, 0, channel%correlation, error, pairs)
-      channel%available%correlation = .not. allocated(error)
-      call note_failure(channel, "Ljung-Box test", error)
+      call note_failure(channel%unavailable, "Ljung-Box test", error, channel%available%correlation)
    end subroutine run_correlation
 
    !> Anderson-Darling test and verdict on normality.
@@ -166,8 +162,8 @@ contains
       call warn_coarse(channel)
       call test_anderson_darling(z, job%options%anderson_darling, channel%anderson_darling, error, &
                                  job%valid, job%progress)
-      channel%available%anderson_darling = .not. allocated(error)
-      call note_failure(channel, "Anderson-Darling test", error)
+      call note_failure(channel%unavailable, "Anderson-Darling test", error, &
+         channel%available%anderson_darling)
       if (.not. allocated(error) .and. channel%available%jarque_bera) call judge(channel)
    end subroutine run_distribution
 
@@ -224,8 +220,7 @@ contains
          return
       end if
       call welch_spectrum(job%z, job%step, welch, channel%spectrum, error, job%valid, job%progress)
-      channel%available%spectrum = .not. allocated(error)
-      call note_failure(channel, "spectrum", error)
+      call note_failure(channel%unavailable, "spectrum", error, channel%available%spectrum)
       if (allocated(error)) return
       choice%longest = longest_part
       choice%ar = job%options%ar
@@ -236,8 +231,7 @@ contains
          call analyse_periodicity(job%z, choice, channel%periodicity, error, job%valid, &
                                   progress=job%progress)
       end if
-      channel%available%periodicity = .not. allocated(error)
-      call note_failure(channel, "Fisher's test", error)
+      call note_failure(channel%unavailable, "Fisher's test", error, channel%available%periodicity)
       if (.not. channel%available%periodicity) return
       associate (found => channel%periodicity)
          channel%fisher_frequency = found%fisher%frequency/job%step

@@ -42,8 +42,8 @@ contains
       if (which == stage%input) valid => job%recorded
       call compute_allan(x, job%step, job%options%allan, channel%allan(which)%curve, error, valid, &
                          job%progress)
-      channel%allan(which)%available = .not. allocated(error)
-      call note_failure(channel, "Allan deviation ("//trim(stage_names(which))//")", error)
+      call note_failure(channel%unavailable, "Allan deviation ("//trim(stage_names(which))//")", &
+                        error, channel%allan(which)%available)
       if (.not. channel%allan(which)%available) return
       if (allocated(job%options%other_kinds) .and. which <= stage%cleaned) then
          call run_other_kinds(job, x, valid, which, channel, error)
@@ -79,7 +79,8 @@ contains
             return
          end if
       end associate
-      call note_failure(channel, "noise coefficients ("//trim(stage_names(which))//")", error)
+      call note_failure(channel%unavailable, &
+                        "noise coefficients ("//trim(stage_names(which))//")", error)
    end subroutine fit_curve
 
    !> Beyond a quarter of its time constant, the interval over the gain, the smoother takes more

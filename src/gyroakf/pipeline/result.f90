@@ -244,8 +244,6 @@ module gyroakf_pipeline_result
       integer(int8), allocatable :: series_present(:)
       !> Warnings, and which stages failed and why
       type(text_type), allocatable :: warnings(:), unavailable(:)
-      !> Status of the first of them, 0 where all went well
-      integer :: first_failure = 0
    end type channel_result_type
 
    !> The whole record

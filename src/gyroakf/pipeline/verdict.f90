@@ -62,8 +62,7 @@ contains
          mean = mean - trend_means(verdict%trend, n)
          call test_adf(mean, adf_options(criterion="bic"), verdict%adf, error)
          if (.not. allocated(error)) call test_kpss(mean, kpss_options(), verdict%kpss, error)
-         verdict%known = .not. allocated(error)
-         call note_failure(channel, "verdict on drift", error)
+         call note_failure(channel%unavailable, "verdict on drift", error, verdict%known)
       end associate
    end subroutine examine_means
 
@@ -137,8 +136,7 @@ contains
             call fit_for_verdict(job, channel, noise, error)
          end if
       end associate
-      channel%verdict%known = .not. allocated(error)
-      call note_failure(channel, "verdict on drift", error)
+      call note_failure(channel%unavailable, "verdict on drift", error, channel%verdict%known)
       if (.not. channel%verdict%known) return
       call decide(noise, real(size(job%x, kind=int64)/block_count, dp), channel%verdict)
       ! not where outliers hide B

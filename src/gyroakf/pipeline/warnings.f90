@@ -3,7 +3,7 @@
 module gyroakf_pipeline_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, status
-   use gyroakf_record, only : add_text
+   use gyroakf_record, only : add_text, text_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
@@ -30,28 +30,31 @@ contains
 
    !> Notes why an analysis has no result and clears the error; one that ends the job stays as it
    !> is.
-   pure subroutine note_failure(channel, analysis, error)
-      !> Gets a line in `unavailable`
-      type(channel_result_type), intent(inout) :: channel
+   pure subroutine note_failure(failures, analysis, error, available)
+      !> `unavailable` of the channel; gets a line
+      type(text_type), allocatable, intent(inout) :: failures(:)
       !> What is missing, as a reader knows it: "ADF test"
       character(*), intent(in) :: analysis
       !> Deallocated where it does not end the job
       type(error_type), allocatable, intent(inout) :: error
+      !> There was no error
+      logical, intent(out), optional :: available
 
+      if (present(available)) available = .not. allocated(error)
       if (.not. allocated(error)) return
-      if (.not. any(error%code == job_ends)) call note_error(channel, analysis, error)
+      if (.not. any(error%code == job_ends)) call note_error(failures, analysis, error)
    end subroutine note_failure
 
    !> The same of any error.
-   pure subroutine note_error(channel, analysis, error)
+   pure subroutine note_error(failures, analysis, error)
       !> As those of [[note_failure]]
-      type(channel_result_type), intent(inout) :: channel
+      type(text_type), allocatable, intent(inout) :: failures(:)
       character(*), intent(in) :: analysis
       !> Allocated; deallocated
       type(error_type), allocatable, intent(inout) :: error
 
-      call add_text(channel%unavailable, analysis//": "//error%message)
-      if (channel%first_failure == status%ok) channel%first_failure = error%code
+      call add_text(failures, analysis//": "//error%message)
+      failures(size(failures))%code = error%code
       deallocate (error)
    end subroutine note_error
 
