@@ -231,7 +231,6 @@ contains
    !> No two options write the same file, or both standard output.
    subroutine check_different(config, first, error)
       type(config_type), intent(in) :: config
-      !> Options that are compared: from this one on
       integer, intent(in) :: first
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: both

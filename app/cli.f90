@@ -57,7 +57,6 @@ contains
    !> `gyroakf help` is `gyroakf --help`, `gyroakf version` is `gyroakf --version`.
    subroutine take_verb(words, error)
       type(words_type), intent(inout) :: words
-      !> usage: help of a command that is none
       type(error_type), allocatable, intent(out) :: error
 
       do while (words%positional > 0 .and. .not. words%behind_dashes)
@@ -79,7 +78,6 @@ contains
    subroutine find_command(words, command, first, error)
       type(words_type), intent(in) :: words
       character(:), allocatable, intent(out) :: command
-      !> Number of the word
       integer, intent(out) :: first
       type(error_type), allocatable, intent(out) :: error
       logical :: there
@@ -148,7 +146,6 @@ contains
    subroutine make_job(words, command, first, config, error)
       type(words_type), intent(in) :: words
       character(*), intent(in) :: command
-      !> Word of the first file
       integer, intent(in) :: first
       type(config_type), intent(out) :: config
       type(error_type), allocatable, intent(out) :: error

@@ -174,8 +174,7 @@ contains
    !> The lines of one option: name and value, then what it does, wrapped.
    function option_lines(option) result(text)
       type(option_type), intent(in) :: option
-      character(:), allocatable :: text
-      character(:), allocatable :: line
+      character(:), allocatable :: text, line
 
       line = "  "//option_names(option)//" "//trim(option%value)
       text = ""
@@ -188,7 +187,6 @@ contains
 
    !> A text in lines that begin at a column and end at [[last_column]].
    function wrapped(text, column, begun) result(lines)
-      !> One paragraph
       character(*), intent(in) :: text
       !> Where the lines begin, 1 at the margin
       integer, intent(in) :: column

@@ -14,10 +14,9 @@ module gyroakf_app_job
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_app_config, only : config_type, file_options
-   use gyroakf_app_interrupt, only : guard_files, interrupted
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_run
-   use gyroakf_app_system, only : end_writers, open_report
+   use gyroakf_app_system, only : end_writers, guard_files, interrupted, open_report
    implicit none (type, external)
    private
    public :: do_job

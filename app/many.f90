@@ -14,12 +14,11 @@ module gyroakf_app_many
    use gyroakf_app_check, only : check_existing, is_result
    use gyroakf_app_config, only : config_type
    use gyroakf_app_file_list, only : name_folders, read_list, summary_files
-   use gyroakf_app_interrupt, only : guard_files
    use gyroakf_app_job, only : do_job
    use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : with_path
-   use gyroakf_app_system, only : end_writers, open_report
+   use gyroakf_app_system, only : end_writers, guard_files, open_report
    use gyroakf_app_words, only : usage_error
    implicit none (type, external)
    private
@@ -67,7 +66,6 @@ contains
       type(config_type), intent(in) :: job
       type(bar_type), intent(inout) :: bar
       type(summary_row_type), intent(out) :: row
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record, unread
       type(pipeline_result_type) :: result
@@ -92,7 +90,6 @@ contains
       type(config_type), intent(in) :: config
       !> The files, and the folders of their results, "" where none are written: [number of files]
       type(text_type), allocatable, intent(out) :: paths(:), folders(:)
-      !> usage, io, parse
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: out
       type(config_type) :: job

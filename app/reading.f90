@@ -31,7 +31,6 @@ contains
 
    !> Without `--memory` the bound is what the machine, the container and the shell leave.
    subroutine find_bound(reader)
-      !> Its `memory` is set
       type(reader_options), intent(inout) :: reader
       integer(int64) :: bytes
 
@@ -139,7 +138,6 @@ contains
    !> is not known, what needs less.
    subroutine list_ways(config, recording, text)
       type(config_type), intent(in) :: config
-      !> Not whole
       type(recording_type), intent(in) :: recording
       character(:), allocatable, intent(out) :: text
       type(config_type) :: allan
@@ -202,7 +200,6 @@ contains
 
    subroutine set_memory(pipeline, reader)
       type(pipeline_options), intent(in) :: pipeline
-      !> Its bytes per sample are set
       type(reader_options), intent(inout) :: reader
 
       call estimate_memory(pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &

@@ -160,12 +160,8 @@ contains
       type(words_type), intent(in) :: words
       !> With its dashes
       character(*), intent(in) :: name
-      integer :: i
 
-      is_given = .false.
-      do i = 1, words%used
-         if (options(words%given(i)%row)%name == name) is_given = .true.
-      end do
+      is_given = any(options(words%given(:words%used)%row)%name == name)
    end function is_given
 
    !> The last value that an option was given, "" where it was not.

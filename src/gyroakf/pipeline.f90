@@ -180,7 +180,6 @@ contains
    !> What is written as series where a channel could not be done to the end: its samples.
    subroutine keep_input(record, channel, result)
       type(record_type), intent(in) :: record
-      !> Its number
       integer, intent(in) :: channel
       type(channel_result_type), intent(inout) :: result
 

@@ -43,8 +43,7 @@ module gyroakf_c_api_c_allan
    type, bind(C) :: noise_c
       type(coefficient_c) :: q, n, b, k, r
       real(c_double) :: chi2_reduced
-      integer(c_int32_t) :: points, left_out
-      integer(c_int32_t) :: cut_off, described
+      integer(c_int32_t) :: points, left_out, cut_off, described
       real(c_double) :: tau_first, tau_last, chi2_probability, floor, kurtosis
       type(coefficient_c) :: n_unquantized
       real(c_double) :: lsb_ratio
@@ -52,7 +51,6 @@ module gyroakf_c_api_c_allan
 
 contains
 
-   !> `gyroakf_allan_options_init`
    subroutine gyroakf_allan_options_init(opt) bind(C)
       type(allan_options_c), intent(out), optional :: opt
       type(allan_options) :: defaults
@@ -61,7 +59,6 @@ contains
          & min_coverage=defaults%min_coverage)
    end subroutine gyroakf_allan_options_init
 
-   !> `gyroakf_allan_new`
    integer(c_int) function gyroakf_allan_new(rate, n, dt, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: rate
       integer(c_int64_t), intent(in), value :: n
@@ -101,7 +98,6 @@ contains
       gyroakf_allan_new = leave_library(c, err)
    end function gyroakf_allan_new
 
-   !> `gyroakf_allan_size`
    integer(c_int64_t) function gyroakf_allan_size(a) bind(C)
       type(c_ptr), intent(in), value :: a
       type(allan_curve_type), pointer :: curve
@@ -112,42 +108,36 @@ contains
       gyroakf_allan_size = size(curve%tau, kind=c_int64_t)
    end function gyroakf_allan_size
 
-   !> `gyroakf_allan_tau`
    type(c_ptr) function gyroakf_allan_tau(a) bind(C)
       type(c_ptr), intent(in), value :: a
 
       gyroakf_allan_tau = column_of(a, "tau")
    end function gyroakf_allan_tau
 
-   !> `gyroakf_allan_deviation`
    type(c_ptr) function gyroakf_allan_deviation(a) bind(C)
       type(c_ptr), intent(in), value :: a
 
       gyroakf_allan_deviation = column_of(a, "deviation")
    end function gyroakf_allan_deviation
 
-   !> `gyroakf_allan_lower`
    type(c_ptr) function gyroakf_allan_lower(a) bind(C)
       type(c_ptr), intent(in), value :: a
 
       gyroakf_allan_lower = column_of(a, "lower")
    end function gyroakf_allan_lower
 
-   !> `gyroakf_allan_upper`
    type(c_ptr) function gyroakf_allan_upper(a) bind(C)
       type(c_ptr), intent(in), value :: a
 
       gyroakf_allan_upper = column_of(a, "upper")
    end function gyroakf_allan_upper
 
-   !> `gyroakf_allan_edf`
    type(c_ptr) function gyroakf_allan_edf(a) bind(C)
       type(c_ptr), intent(in), value :: a
 
       gyroakf_allan_edf = column_of(a, "edf")
    end function gyroakf_allan_edf
 
-   !> `gyroakf_allan_free`
    subroutine gyroakf_allan_free(a) bind(C)
       type(c_ptr), intent(in), value :: a
       type(allan_curve_type), pointer :: curve
@@ -175,7 +165,6 @@ contains
       end select
    end function column_of
 
-   !> `gyroakf_fit_options_init`
    subroutine gyroakf_fit_options_init(opt) bind(C)
       type(fit_options_c), intent(out), optional :: opt
       type(noise_options) :: defaults
@@ -184,7 +173,6 @@ contains
          & tau_max=defaults%tau_max, lsb=defaults%lsb)
    end subroutine gyroakf_fit_options_init
 
-   !> `gyroakf_noise_fit`
    integer(c_int) function gyroakf_noise_fit(a, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: a
       type(fit_options_c), intent(in), optional :: opt
@@ -194,7 +182,6 @@ contains
       gyroakf_noise_fit = fit(a, .true., opt, out, err)
    end function gyroakf_noise_fit
 
-   !> `gyroakf_allan_fit`
    integer(c_int) function gyroakf_allan_fit(a, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: a
       type(fit_options_c), intent(in), optional :: opt

@@ -23,7 +23,6 @@ module gyroakf_c_api_c_design
 
 contains
 
-   !> `gyroakf_filter_identify`
    integer(c_int) function gyroakf_filter_identify(kind, x, n, dt, opt, out, mean, err) bind(C)
       type(c_ptr), intent(in), value :: kind, x
       integer(c_int64_t), intent(in), value :: n

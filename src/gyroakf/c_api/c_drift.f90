@@ -38,14 +38,12 @@ module gyroakf_c_api_c_drift
 
 contains
 
-   !> `gyroakf_drift_model_init`
    subroutine gyroakf_drift_model_init(model) bind(C)
       type(drift_model_c), intent(out), optional :: model
 
       if (present(model)) model = drift_model_c(c_sizeof(model))
    end subroutine gyroakf_drift_model_init
 
-   !> `gyroakf_drift_options_init`
    subroutine gyroakf_drift_options_init(opt) bind(C)
       type(drift_options_c), intent(out), optional :: opt
       type(drift_identification_options) :: defaults
@@ -53,7 +51,6 @@ contains
       if (present(opt)) opt = drift_options_c(c_sizeof(opt), defaults%drift_samples, defaults%most)
    end subroutine gyroakf_drift_options_init
 
-   !> `gyroakf_drift_identify`
    integer(c_int) function gyroakf_drift_identify(z, n, opt, model, err) bind(C)
       type(c_ptr), intent(in), value :: z
       integer(c_int64_t), intent(in), value :: n
@@ -79,7 +76,6 @@ contains
       gyroakf_drift_identify = leave_library(c, err)
    end function gyroakf_drift_identify
 
-   !> `gyroakf_drift_filter_new`
    integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(filter_options_c), intent(in), optional :: opt
@@ -101,7 +97,6 @@ contains
       gyroakf_drift_filter_new = leave_library(c, err)
    end function gyroakf_drift_filter_new
 
-   !> `gyroakf_drift_smooth`
    integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(c_ptr), intent(in), value :: z, drift, variance
@@ -113,7 +108,6 @@ contains
          & c_null_funptr, c_null_ptr, err)
    end function gyroakf_drift_smooth
 
-   !> `gyroakf_drift_smooth_watched`
    integer(c_int) function gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, &
       & progress, progress_user, err) bind(C)
       type(drift_model_c), intent(in), optional :: model

@@ -49,7 +49,6 @@ module gyroakf_c_api_c_filter
 
 contains
 
-   !> `gyroakf_filter_options_init`
    subroutine gyroakf_filter_options_init(opt) bind(C)
       type(filter_options_c), intent(out), optional :: opt
       type(filter_options) :: defaults
@@ -61,7 +60,6 @@ contains
          & r_upper=defaults%r_upper)
    end subroutine gyroakf_filter_options_init
 
-   !> `gyroakf_filter_new`
    integer(c_int) function gyroakf_filter_new(p, phi, q, r, opt, out, err) bind(C)
       integer(c_int32_t), intent(in), value :: p
       type(c_ptr), intent(in), value :: phi
@@ -83,7 +81,6 @@ contains
       gyroakf_filter_new = leave_library(c, err)
    end function gyroakf_filter_new
 
-   !> `gyroakf_filter_step`
    integer(c_int) function gyroakf_filter_step(f, z, x) bind(C)
       type(c_ptr), intent(in), value :: f
       real(c_double), intent(in), value :: z
@@ -106,7 +103,6 @@ contains
       if (changed /= 0) call end_step(environment)
    end function gyroakf_filter_step
 
-   !> `gyroakf_filter_freeze`
    integer(c_int) function gyroakf_filter_freeze(f, frozen) bind(C)
       type(c_ptr), intent(in), value :: f
       integer(c_int32_t), intent(in), value :: frozen
@@ -119,7 +115,6 @@ contains
       gyroakf_filter_freeze = status%ok
    end function gyroakf_filter_freeze
 
-   !> `gyroakf_filter_run`
    integer(c_int) function gyroakf_filter_run(f, z, n, x, err) bind(C)
       type(c_ptr), intent(in), value :: f, z, x
       integer(c_int64_t), intent(in), value :: n
@@ -128,7 +123,6 @@ contains
       gyroakf_filter_run = gyroakf_filter_run_watched(f, z, n, x, c_null_funptr, c_null_ptr, err)
    end function gyroakf_filter_run
 
-   !> `gyroakf_filter_run_watched`
    integer(c_int) function gyroakf_filter_run_watched(f, z, n, x, progress, progress_user, &
       & err) bind(C)
       type(c_ptr), intent(in), value :: f, z, x
@@ -153,7 +147,6 @@ contains
       gyroakf_filter_run_watched = leave_library(c, err)
    end function gyroakf_filter_run_watched
 
-   !> `gyroakf_filter_get`
    integer(c_int) function gyroakf_filter_get(f, out) bind(C)
       type(c_ptr), intent(in), value :: f
       type(filter_state_c), intent(inout), optional :: out
@@ -174,7 +167,6 @@ contains
       gyroakf_filter_get = leave_library(c)
    end function gyroakf_filter_get
 
-   !> `gyroakf_filter_free`
    subroutine gyroakf_filter_free(f) bind(C)
       type(c_ptr), intent(in), value :: f
       type(filter_type), pointer :: filter
@@ -255,7 +247,6 @@ contains
       type(filter_type), intent(inout) :: filter
       type(c_ptr), intent(in) :: z, x
       integer(int64), intent(in) :: n
-      !> Its error: cancelled, non_finite
       type(call_type), intent(inout) :: c
       real(c_double), pointer, contiguous :: input(:), output(:)
       real(dp) :: raw(block), filtered(block)

@@ -69,9 +69,7 @@ contains
    !> Calls the function of the program, which may leave a floating-point environment of its own
    !> behind.
    subroutine call_back(self, stage, done, total, cancel)
-      !> The function
       class(callback_type), intent(inout) :: self
-      !> As those of [[gyroakf_progress(module)]]
       character(*), intent(in) :: stage
       integer(int64), intent(in) :: done, total
       logical, intent(out) :: cancel
@@ -130,7 +128,6 @@ contains
    end subroutine check_apart
 
    pure integer(c_intptr_t) function address(array)
-      !> Any
       type(c_ptr), intent(in) :: array
 
       address = transfer(array, address)

@@ -33,7 +33,6 @@ module gyroakf_c_api_c_outliers
 
 contains
 
-   !> `gyroakf_outlier_options_init`
    subroutine gyroakf_outlier_options_init(opt) bind(C)
       type(outlier_options_c), intent(out), optional :: opt
       type(clean_options) :: defaults
@@ -43,7 +42,6 @@ contains
          & half_width=int(defaults%half_width, c_int32_t))
    end subroutine gyroakf_outlier_options_init
 
-   !> `gyroakf_mark_outliers`
    integer(c_int) function gyroakf_mark_outliers(x, n, opt, inlier, out, err) bind(C)
       type(c_ptr), intent(in), value :: x, inlier
       integer(c_int64_t), intent(in), value :: n
@@ -66,7 +64,6 @@ contains
       gyroakf_mark_outliers = leave_library(c, err)
    end function gyroakf_mark_outliers
 
-   !> `gyroakf_clean`
    integer(c_int) function gyroakf_clean(x, n, opt, cleaned, out, err) bind(C)
       type(c_ptr), intent(in), value :: x, cleaned
       integer(c_int64_t), intent(in), value :: n

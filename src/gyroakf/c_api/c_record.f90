@@ -46,7 +46,6 @@ module gyroakf_c_api_c_record
 
 contains
 
-   !> `gyroakf_reader_options_init`
    subroutine gyroakf_reader_options_init(opt) bind(C)
       type(reader_options_c), intent(out), optional :: opt
       type(reader_options) :: defaults
@@ -55,7 +54,6 @@ contains
          & rate_hz=defaults%rate_hz, from=defaults%from, to=defaults%to, memory=defaults%memory)
    end subroutine gyroakf_reader_options_init
 
-   !> `gyroakf_record_read`
    integer(c_int) function gyroakf_record_read(path, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: path
       type(reader_options_c), intent(in), optional :: opt
@@ -75,7 +73,6 @@ contains
       gyroakf_record_read = leave_library(c, err)
    end function gyroakf_record_read
 
-   !> `gyroakf_record_parse`
    integer(c_int) function gyroakf_record_parse(bytes, n, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: bytes
       integer(c_int64_t), intent(in), value :: n
@@ -98,7 +95,6 @@ contains
       gyroakf_record_parse = leave_library(c, err)
    end function gyroakf_record_parse
 
-   !> `gyroakf_record_samples`
    integer(c_int64_t) function gyroakf_record_samples(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
@@ -108,7 +104,6 @@ contains
       if (associated(handle)) gyroakf_record_samples = size(handle%record%value, 1, c_int64_t)
    end function gyroakf_record_samples
 
-   !> `gyroakf_record_channels`
    integer(c_int32_t) function gyroakf_record_channels(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
@@ -118,7 +113,6 @@ contains
       if (associated(handle)) gyroakf_record_channels = size(handle%name)
    end function gyroakf_record_channels
 
-   !> `gyroakf_record_values`
    type(c_ptr) function gyroakf_record_values(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
@@ -126,7 +120,6 @@ contains
       gyroakf_record_values = part_of(r, "values", channel)
    end function gyroakf_record_values
 
-   !> `gyroakf_record_present`
    type(c_ptr) function gyroakf_record_present(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
@@ -134,7 +127,6 @@ contains
       gyroakf_record_present = part_of(r, "present", channel)
    end function gyroakf_record_present
 
-   !> `gyroakf_record_name`
    type(c_ptr) function gyroakf_record_name(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
@@ -142,7 +134,6 @@ contains
       gyroakf_record_name = part_of(r, "name", channel)
    end function gyroakf_record_name
 
-   !> `gyroakf_record_unit`
    type(c_ptr) function gyroakf_record_unit(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
@@ -150,7 +141,6 @@ contains
       gyroakf_record_unit = part_of(r, "unit", channel)
    end function gyroakf_record_unit
 
-   !> `gyroakf_record_to_si`
    real(c_double) function gyroakf_record_to_si(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
@@ -164,7 +154,6 @@ contains
       if (len(handle%unit(channel + 1)%text) > 1) gyroakf_record_to_si = unit%to_si
    end function gyroakf_record_to_si
 
-   !> `gyroakf_record_sample_interval`
    real(c_double) function gyroakf_record_sample_interval(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
@@ -174,21 +163,18 @@ contains
       if (associated(handle)) gyroakf_record_sample_interval = handle%record%sample_interval
    end function gyroakf_record_sample_interval
 
-   !> `gyroakf_record_rate_source`
    type(c_ptr) function gyroakf_record_rate_source(r) bind(C)
       type(c_ptr), intent(in), value :: r
 
       gyroakf_record_rate_source = part_of(r, "rate_source")
    end function gyroakf_record_rate_source
 
-   !> `gyroakf_record_format`
    type(c_ptr) function gyroakf_record_format(r) bind(C)
       type(c_ptr), intent(in), value :: r
 
       gyroakf_record_format = part_of(r, "format")
    end function gyroakf_record_format
 
-   !> `gyroakf_record_warnings`
    integer(c_int32_t) function gyroakf_record_warnings(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
@@ -198,7 +184,6 @@ contains
       if (associated(handle)) gyroakf_record_warnings = size(handle%warning)
    end function gyroakf_record_warnings
 
-   !> `gyroakf_record_warning`
    type(c_ptr) function gyroakf_record_warning(r, i) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: i
@@ -206,7 +191,6 @@ contains
       gyroakf_record_warning = part_of(r, "warning", i)
    end function gyroakf_record_warning
 
-   !> `gyroakf_record_audit`
    integer(c_int) function gyroakf_record_audit(r, out) bind(C)
       type(c_ptr), intent(in), value :: r
       type(audit_c), intent(inout), optional :: out
@@ -226,7 +210,6 @@ contains
       gyroakf_record_audit = status%ok
    end function gyroakf_record_audit
 
-   !> `gyroakf_record_free`
    subroutine gyroakf_record_free(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle

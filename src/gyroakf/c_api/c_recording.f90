@@ -105,7 +105,6 @@ contains
       end associate
    end subroutine dress
 
-   !> `gyroakf_record_new`
    integer(c_int) function gyroakf_record_new(values, channels, n, dt, names, unit, out, &
       & err) bind(C)
       type(c_ptr), intent(in), value :: values, names, unit
@@ -119,7 +118,6 @@ contains
          & c_null_funptr, c_null_ptr, err)
    end function gyroakf_record_new
 
-   !> `gyroakf_record_new_watched`
    integer(c_int) function gyroakf_record_new_watched(values, channels, n, dt, names, unit, out, &
       & progress, progress_user, err) bind(C)
       type(c_ptr), intent(in), value :: values, names, unit, progress_user

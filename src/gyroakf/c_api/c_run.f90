@@ -51,14 +51,12 @@ module gyroakf_c_api_c_run
 
 contains
 
-   !> `gyroakf_run_options_init`
    subroutine gyroakf_run_options_init(opt) bind(C)
       type(run_options_c), intent(out), optional :: opt
 
       if (present(opt)) opt = run_options_c(c_sizeof(opt))
    end subroutine gyroakf_run_options_init
 
-   !> `gyroakf_run`
    integer(c_int) function gyroakf_run(r, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: r
       type(run_options_c), intent(in), optional :: opt
@@ -90,7 +88,6 @@ contains
       !> Its missing values are NaN
       type(record_type), intent(in) :: given
       type(pipeline_options), intent(in) :: options
-      !> Ends with NUL
       character(:), allocatable, intent(out) :: json
       type(call_type), intent(inout) :: c
       type(record_type), allocatable :: record
@@ -118,7 +115,6 @@ contains
       json(document%used + 1:) = c_null_char
    end subroutine run_record
 
-   !> `gyroakf_result_json`
    type(c_ptr) function gyroakf_result_json(result) bind(C)
       type(c_ptr), intent(in), value :: result
       type(result_handle), pointer :: handle
@@ -129,7 +125,6 @@ contains
       gyroakf_result_json = c_loc(handle%json)
    end function gyroakf_result_json
 
-   !> `gyroakf_result_free`
    subroutine gyroakf_result_free(result) bind(C)
       type(c_ptr), intent(in), value :: result
       type(result_handle), pointer :: handle
@@ -160,7 +155,6 @@ contains
       options%do_allan = opt%allan /= 0
    end subroutine read_options
 
-   !> `gyroakf_simulate_options_init`
    subroutine gyroakf_simulate_options_init(opt) bind(C)
       type(simulate_options_c), intent(out), optional :: opt
       type(simulate_options) :: defaults
@@ -169,7 +163,6 @@ contains
          & seed=paper_seed, rate_hz=defaults%rate_hz)
    end subroutine gyroakf_simulate_options_init
 
-   !> `gyroakf_simulate`
    integer(c_int) function gyroakf_simulate(opt, out, err) bind(C)
       type(simulate_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out

@@ -21,7 +21,6 @@ module gyroakf_c_api_c_saving
 
 contains
 
-   !> `gyroakf_filter_reset`
    integer(c_int) function gyroakf_filter_reset(f, err) bind(C)
       type(c_ptr), intent(in), value :: f
       type(error_c), intent(out), optional :: err
@@ -38,7 +37,6 @@ contains
       gyroakf_filter_reset = leave_library(c, err)
    end function gyroakf_filter_reset
 
-   !> `gyroakf_filter_save`
    integer(c_int) function gyroakf_filter_save(f, bytes, capacity, size_out, err) bind(C)
       type(c_ptr), intent(in), value :: f, bytes
       integer(c_int64_t), intent(in), value :: capacity
@@ -63,7 +61,6 @@ contains
       gyroakf_filter_save = leave_library(c, err)
    end function gyroakf_filter_save
 
-   !> `gyroakf_filter_restore`
    integer(c_int) function gyroakf_filter_restore(bytes, length, out, err) bind(C)
       type(c_ptr), intent(in), value :: bytes
       integer(c_int64_t), intent(in), value :: length
@@ -85,7 +82,6 @@ contains
    subroutine write_bytes(word, bytes, capacity, error)
       integer(int64), intent(in) :: word(:)
       type(c_ptr), intent(in) :: bytes
-      !> Bytes there are
       integer(c_int64_t), intent(in) :: capacity
       !> invalid_argument: too few
       type(error_type), allocatable, intent(out) :: error

@@ -61,7 +61,6 @@ module gyroakf_c_api_c_series
 
 contains
 
-   !> `gyroakf_adf_options_init`
    subroutine gyroakf_adf_options_init(opt) bind(C)
       type(adf_options_c), intent(out), optional :: opt
       type(adf_options) :: defaults
@@ -70,7 +69,6 @@ contains
          & max_lags=int(defaults%max_lags, c_int32_t))
    end subroutine gyroakf_adf_options_init
 
-   !> `gyroakf_adf_test`
    integer(c_int) function gyroakf_adf_test(x, n, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: x
       integer(c_int64_t), intent(in), value :: n
@@ -98,14 +96,12 @@ contains
       gyroakf_adf_test = leave_library(c, err)
    end function gyroakf_adf_test
 
-   !> `gyroakf_kpss_options_init`
    subroutine gyroakf_kpss_options_init(opt) bind(C)
       type(kpss_options_c), intent(out), optional :: opt
 
       if (present(opt)) opt = kpss_options_c(c_sizeof(opt))
    end subroutine gyroakf_kpss_options_init
 
-   !> `gyroakf_kpss_test`
    integer(c_int) function gyroakf_kpss_test(x, n, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: x
       integer(c_int64_t), intent(in), value :: n
@@ -134,7 +130,6 @@ contains
       gyroakf_kpss_test = leave_library(c, err)
    end function gyroakf_kpss_test
 
-   !> `gyroakf_ar_options_init`
    subroutine gyroakf_ar_options_init(opt) bind(C)
       type(ar_options_c), intent(out), optional :: opt
       type(ar_options) :: defaults
@@ -142,7 +137,6 @@ contains
       if (present(opt)) opt = ar_options_c(c_sizeof(opt), order=int(defaults%order, c_int32_t))
    end subroutine gyroakf_ar_options_init
 
-   !> `gyroakf_ar_fit`
    integer(c_int) function gyroakf_ar_fit(x, n, opt, max_order, order, phi, noise_variance, &
       & mean, err) bind(C)
       type(c_ptr), intent(in), value :: x, phi

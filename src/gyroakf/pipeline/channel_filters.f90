@@ -120,11 +120,8 @@ contains
    !> The drift from both sides, the variance of the white noise at each sample too.
    subroutine run_smoother(job, z, drift, differences, channel, error)
       type(job_type), intent(in) :: job
-      !> Without its mean: [n]
       real(dp), intent(in), contiguous :: z(:)
-      !> Smoothed: [n]
       real(dp), intent(out), contiguous :: drift(:)
-      !> Variance of the differences
       real(dp), intent(in) :: differences
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error

@@ -146,7 +146,6 @@ contains
    subroutine state_process(model, std_error, i, job, process)
       !> The model and its standard errors, 0 where they are not known
       type(component_model_type), intent(in) :: model, std_error
-      !> Which of its processes
       integer, intent(in) :: i
       type(job_type), intent(in) :: job
       type(drift_process_type), intent(inout) :: process

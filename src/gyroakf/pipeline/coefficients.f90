@@ -58,7 +58,6 @@ contains
    subroutine fit_curve(job, which, channel, error)
       type(job_type), intent(in) :: job
       integer, intent(in) :: which
-      !> The rest of `allan(which)` is filled
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
       type(noise_options) :: noise_of_stage
@@ -87,9 +86,7 @@ contains
    !> than 1 % of the white noise's variance along with the drift: the curve falls below that of the
    !> noise, and is not fitted there. Q and N are what is left.
    pure subroutine end_before_smoother(channel, noise)
-      !> Its drift filter is done
       type(channel_result_type), intent(in) :: channel
-      !> Its longest averaging time is set
       type(noise_options), intent(inout) :: noise
       real(dp) :: longest
 
@@ -106,7 +103,6 @@ contains
       real(dp), intent(in), contiguous :: x(:)
       integer(int8), pointer, contiguous, intent(in) :: valid(:)
       integer, intent(in) :: which
-      !> `allan(which)%other` is filled
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled, internal; everything else is a warning of the channel
       type(error_type), allocatable, intent(out) :: error
