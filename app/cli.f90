@@ -8,11 +8,12 @@ module gyroakf_app_cli
    use gyroakf_error, only : error_type
    use gyroakf_io_place, only : integer_text
    use gyroakf_record, only : text_type
+   use gyroakf_release, only : release_string
    use gyroakf_app_check, only : check_job
    use gyroakf_app_completion, only : completion_text
    use gyroakf_app_config, only : config_type, new_config, reads_files
    use gyroakf_app_config_file, only : add_config, config_text
-   use gyroakf_app_help, only : citation_text, command_help, manual_text, program_help, version_text
+   use gyroakf_app_help, only : citation_text, command_help, manual_text, program_help
    use gyroakf_app_option, only : belongs_to, commands_of, find_option, suggest_word, takes_value
    use gyroakf_app_option_table, only : all_names, option_type, options
    use gyroakf_app_settings, only : apply_option
@@ -129,7 +130,7 @@ contains
          case ("--help")
             config%text = program_help(whole=words%given(i)%value == "all")
             if (names_command(words)) config%text = command_help(words%word(1)%text)
-         case ("--version"); config%text = version_text()
+         case ("--version"); config%text = "gyroakf "//release_string//new_line("a")
          case ("--citation"); config%text = citation_text()
          case ("--man"); config%text = manual_text()
          case ("--completion")

@@ -8,7 +8,7 @@ module gyroakf_app_help
    use gyroakf_spelling, only : replace_all
    implicit none (type, external)
    private
-   public :: program_help, command_help, usage_text, version_text, citation_text, manual_text
+   public :: program_help, command_help, usage_text, citation_text, manual_text
 
    character(*), parameter :: nl = new_line("a")
 
@@ -82,13 +82,6 @@ module gyroakf_app_help
       "selftest", "gyroakf selftest"], [2, 29])
 
 contains
-
-   !> What `--version` prints.
-   function version_text() result(text)
-      character(:), allocatable :: text
-
-      text = "gyroakf "//release_string//nl
-   end function version_text
 
    !> What `--citation` prints.
    function citation_text() result(text)

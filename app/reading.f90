@@ -8,8 +8,8 @@ module gyroakf_app_reading
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, &
       open_recording, recording_type, rows_within, say_too_large
-   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_options, &
-      pipeline_result_type, run_pipeline
+   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_result_type, &
+      run_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
@@ -59,7 +59,7 @@ contains
 
       reader = config%reader
       reader%survey = config%command == "inspect"
-      if (.not. reader%survey) call set_memory(config%pipeline, reader)
+      if (.not. reader%survey) call estimate_memory(config%pipeline, reader)
       if (config%truth /= "") reader%work_bytes = reader%work_bytes + truth_bytes
       call find_bound(reader)
       call read_within(config, reader, record, error, progress)
@@ -161,7 +161,7 @@ contains
       end if
       if (config%command == "run" .or. config%command == "filter") then
          call new_config("allan", allan)
-         call set_memory(allan%pipeline, less)
+         call estimate_memory(allan%pipeline, less)
          call add_if_fits("gyroakf allan "//shell_word(config%path)//config%input_options)
       end if
       rate = recording%options%rate_hz
@@ -197,14 +197,6 @@ contains
          text = text//trim(merge(" ", ";", text(len(text):) == ":"))//" "//way
       end subroutine add
    end subroutine list_ways
-
-   subroutine set_memory(pipeline, reader)
-      type(pipeline_options), intent(in) :: pipeline
-      type(reader_options), intent(inout) :: reader
-
-      call estimate_memory(pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
-         & reader%part_samples)
-   end subroutine set_memory
 
    !> A message that names the file.
    pure function with_path(path, message) result(text)

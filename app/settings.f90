@@ -29,6 +29,8 @@ contains
       !> usage
       type(error_type), allocatable, intent(out) :: error
       type(value_type) :: value
+      type(error_type), allocatable :: unknown
+      type(unit_type), allocatable :: unit(:)
 
       call convert_value(option, text, value, error)
       if (allocated(error)) return
@@ -39,7 +41,8 @@ contains
          call set_method(config%pipeline, option, value, error)
       case default; call set_common(config, option, value, error)
       end select
-      if (option%name == "--unit") call check_units(option, text, error)
+      if (option%name == "--unit") call parse_units(text, unit, unknown)
+      if (allocated(unknown)) call value_error(option, unknown%message, error)
    end subroutine apply_option
 
    subroutine set_input(reader, option, value, error)
@@ -93,17 +96,6 @@ contains
       call value_error(option, "'"//text//"' is none of auto, text, csv, npy, f32, f64, i8, "// &
          "i16, i32, i64, u8, u16, u32, which may have le or be behind them"//near, error)
    end subroutine check_format
-
-   subroutine check_units(option, text, error)
-      type(option_type), intent(in) :: option
-      character(*), intent(in) :: text
-      type(error_type), allocatable, intent(out) :: error
-      type(error_type), allocatable :: unknown
-      type(unit_type), allocatable :: unit(:)
-
-      call parse_units(text, unit, unknown)
-      if (allocated(unknown)) call value_error(option, unknown%message, error)
-   end subroutine check_units
 
    subroutine set_method(pipeline, option, value, error)
       type(pipeline_options), intent(inout) :: pipeline

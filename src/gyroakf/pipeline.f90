@@ -15,6 +15,7 @@ module gyroakf_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type, unit_of
    use gyroakf_io_place, only : integer_text
+   use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline_result, only : channel_result_type, new_channels, pipeline_options, &
       pipeline_result_type, stage
    use gyroakf_pipeline_channel, only : run_channel
@@ -77,34 +78,36 @@ contains
 
    !> Estimates the bytes per sample beside the record itself: for the channel being processed, for
    !> every channel, and for so many samples of it at most.
-   pure subroutine estimate_memory(options, work_bytes, channel_bytes, part_bytes, part_samples)
+   pure subroutine estimate_memory(options, reader)
       !> What to do
       type(pipeline_options), intent(in) :: options
-      !> As `reader_options` has them
-      integer(int64), intent(out) :: work_bytes, channel_bytes, part_bytes, part_samples
+      !> `work_bytes`, `channel_bytes`, `part_bytes` and `part_samples` are set
+      type(reader_options), intent(inout) :: reader
 
-      part_bytes = 0
-      part_samples = longest_part
+      reader%part_bytes = 0
+      reader%part_samples = longest_part
       if (options%do_tests .and. options%welch_segment > 0.0_dp) then
-         part_bytes = 112             ! of a segment: window, transforms, sums, densities
-         part_samples = longest_segment
+         reader%part_bytes = 112      ! of a segment: window, transforms, sums, densities
+         reader%part_samples = longest_segment
       else if (options%do_tests .and. .not. options%do_allan) then
-         part_bytes = 12              ! periodogram: beside what the program itself is allowed
+         reader%part_bytes = 12       ! periodogram: beside what the program itself is allowed
       end if
-      ! not at the same time: residuals of the AR model; integral and count of missing samples of
-      ! the Allan deviation; white noise of each sample, for the smoother
-      work_bytes = 0
-      if (options%do_filter) work_bytes = 8
-      if (options%do_allan) work_bytes = 12
-      if ((options%do_ar .or. options%do_filter) .and. options%ar%method == "burg") work_bytes = 16
-      if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
-         work_bytes = work_bytes + 9                       ! the cleaned series, its marks
-      else if (options%do_filter) then
-         work_bytes = work_bytes + 8                       ! the series without its mean
-      end if
-      if (options%do_filter) work_bytes = work_bytes + 8   ! the filtered series
-      channel_bytes = 0
-      if (options%keep_series) channel_bytes = 57          ! seven series, marks of the cleaned one
+      associate (work => reader%work_bytes)
+         ! not at the same time: residuals of the AR model; integral and count of missing samples of
+         ! the Allan deviation; white noise of each sample, for the smoother
+         work = 0
+         if (options%do_filter) work = 8
+         if (options%do_allan) work = 12
+         if ((options%do_ar .or. options%do_filter) .and. options%ar%method == "burg") work = 16
+         if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
+            work = work + 9                                ! the cleaned series, its marks
+         else if (options%do_filter) then
+            work = work + 8                                ! the series without its mean
+         end if
+         if (options%do_filter) work = work + 8            ! the filtered series
+      end associate
+      reader%channel_bytes = 0
+      if (options%keep_series) reader%channel_bytes = 57   ! seven series, marks of the cleaned one
    end subroutine estimate_memory
 
    !> Does the whole job for every channel of a record.

@@ -6,7 +6,9 @@
 module gyroakf_pipeline_channel
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : check_memory, error_type
+   use gyroakf_io_decimal, only : format_real
    use gyroakf_progress, only : report_progress
+   use gyroakf_record, only : add_text
    use gyroakf_preprocess_clean, only : clean_series
    use gyroakf_stats_autocovariance, only : autocovariance_type
    use gyroakf_stats_moments, only : compute_moments
@@ -19,7 +21,7 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_channel_tests, only : find_step, plan_pass, run_periodicity, run_tests
    use gyroakf_pipeline_verdict, only : examine_means, judge
    use gyroakf_pipeline_warnings, only : note_failure, warn_outliers, warn_curve, warn_fit, &
-      warn_halves, warn_centred
+      warn_halves
    implicit none (type, external)
    private
    public :: run_channel
@@ -189,7 +191,8 @@ contains
          call check_memory(stat, "the series without its mean", error)
          if (allocated(error)) return
          centred(:) = job%z - mean
-         call warn_centred(channel)
+         call add_text(channel%warnings, "the filters work on the series less its mean of "// &
+            format_real(mean, 5)//"; their outputs are without it", note=.true.)
          call run_filters(job, centred, mean, channel, error)
       end associate
    end subroutine filter_centred

@@ -10,7 +10,7 @@ module gyroakf_pipeline_warnings
    implicit none (type, external)
    private
    public :: job_ends, note_failure, note_error, negligible_rho
-   public :: warn_outliers, warn_order, warn_model, warn_curve, warn_fit, warn_halves, warn_centred
+   public :: warn_outliers, warn_order, warn_model, warn_curve, warn_fit, warn_halves
 
    !> Errors that end the whole job, not only a stage of one channel
    integer, parameter :: job_ends(5) = [status%no_memory, status%cancelled, status%internal, &
@@ -227,15 +227,6 @@ contains
             note=abs(halves%ratio(i) - 1) < small_change)
       end associate
    end subroutine warn_halves
-
-   !> The filters' series has no mean.
-   pure subroutine warn_centred(channel)
-      !> `cleaned` is filled; gets a warning
-      type(channel_result_type), intent(inout) :: channel
-
-      call add_text(channel%warnings, "the filters work on the series less its mean of "// &
-         format_real(channel%cleaned%mean, 5)//"; their outputs are without it", note=.true.)
-   end subroutine warn_centred
 
    !> Appends the time of a sample in s, or its number.
    pure subroutine add_moment(text, index, step, behind)
