@@ -161,6 +161,7 @@ contains
       do i = 1, 2
          call state_in(noise%coefficient(2), sides(i)*unit%to_si, density_unit(unit), .true., &
                        stated%density(i))
+         stated%density(i)%state = ""
          stated%density(i)%definition = trim(conventions(i))
       end do
    end subroutine state_noise
@@ -180,7 +181,6 @@ contains
 
       call state_in(from, unit%to_si, coefficient_unit(unit, term, per_sample=.not. rate_known), &
                     rate_known .and. unit%quantity /= quantity%unknown, to)
-      to%state = from%state
    end subroutine state_one
 
    !> The numbers of a coefficient in a unit, and in SI where that is known.
@@ -192,11 +192,10 @@ contains
       logical, intent(in) :: in_si
       type(stated_coefficient_type), intent(inout) :: to
 
+      to%coefficient_type = from
       to%value = to_si*of%from_si*from%value
       to%std_error = to_si*of%from_si*from%std_error
       to%upper_limit = to_si*of%from_si*from%upper_limit
-      to%detected = from%detected
-      to%fitted = from%fitted
       to%unit = of%name
       to%unit_si = ""
       if (.not. in_si) return
@@ -245,15 +244,13 @@ contains
       type(coefficient_unit_type) :: of_term
       integer :: term
 
+      stated%read_off_type = read
       do term = 1, 5
          of_term = coefficient_unit(unit, term, per_sample=.not. rate_known)
          stated%value(term) = unit%to_si*of_term%from_si*read%value(term)
          if (term == 3) stated%minimum = unit%to_si*of_term%from_si*read%minimum
       end do
-      stated%found = read%found
-      stated%minimum_tau = read%minimum_tau
       stated%known = read%minimum > 0.0_dp
-      stated%falling = read%falling
    end subroutine state_read_off
 
    !> Reduction of each coefficient from the cleaned series to the adaptive filter's output (Table
