@@ -166,14 +166,12 @@ contains
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: writer
-      integer :: i
 
-      do i = 1, size(config%file)
-         if (config%file(i)%text /= "-") cycle
-         call write_kind(file_options(i), "-", config, record, result, writer, error)
+      if (config%file(1)%text == "-") then
+         call write_kind(file_options(1), "-", config, record, result, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
          return
-      end do
+      end if
       if (config%quiet) return
       call open_report(writer, config%colour, config%ascii, error)
       if (allocated(error)) return

@@ -93,28 +93,21 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: out
       type(config_type) :: job
-      integer :: i, j
-      logical :: forbidden
+      integer :: i
 
       paths = config%paths
       if (config%list /= "") call read_list(config%list, paths, error)
       if (allocated(error)) return
       call name_folders(paths, folders)
-      out = config%out
-      do while (len(out) > 1 .and. index(out, "/", back=.true.) == len(out))
-         out = out(:len(out) - 1)
-      end do
+      out = config%out(:min(len(config%out), max(1, verify(config%out, "/", back=.true.))))
       do i = 1, size(paths)
          if (out == "") then
             folders(i)%text = ""
             cycle
          end if
          folders(i)%text = out//"/"//folders(i)%text
-         forbidden = is_result(folders(i)%text, paths(i)%text)
-         do j = 1, size(summary_files)
-            if (paths(i)%text == out//"/"//trim(summary_files(j))) forbidden = .true.
-         end do
-         if (forbidden) then
+         if (is_result(folders(i)%text, paths(i)%text) .or. &
+             any(paths(i)%text == out//"/"//summary_files)) then
             call usage_error(error, "--out would overwrite the recording '"//paths(i)%text//"'")
          else
             call prepare_job(config, paths(i)%text, folders(i)%text, job)
@@ -128,7 +121,6 @@ contains
       type(config_type), intent(in) :: config
       character(*), intent(in) :: path, folder
       type(config_type), intent(out) :: job
-      integer :: i
 
       job = config
       job%path = path
@@ -138,9 +130,7 @@ contains
       job%quiet = .true.
       job%out = folder
       job%file(1)%text = ""
-      do i = 2, size(job%file)
-         if (job%file(i)%text /= "") job%file(i)%text = folder//"/"//job%file(i)%text
-      end do
+      if (job%file(2)%text /= "") job%file(2)%text = folder//"/"//job%file(2)%text
    end subroutine prepare_job
 
    subroutine print_summary(config, rows, error)

@@ -7,7 +7,7 @@ module gyroakf_app_settings
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : apply_preset, pipeline_options
    use gyroakf_units, only : unit_type, parse_units
-   use gyroakf_app_config, only : config_type, file_options
+   use gyroakf_app_config, only : config_type
    use gyroakf_app_option, only : suggest_word
    use gyroakf_app_option_table, only : option_type
    use gyroakf_app_simulation, only : set_record, set_sensor
@@ -216,7 +216,6 @@ contains
       type(option_type), intent(in) :: option
       type(value_type), intent(in) :: value
       type(error_type), allocatable, intent(out) :: error
-      integer :: i
 
       select case (option%name)
       case ("--config", "--write-config")                 ! of the words as a whole, see app/cli.f90
@@ -228,8 +227,8 @@ contains
             "' is more than the 17 digits that a number has", error)
       case ("--series-format"); config%series%form = value%text
       case ("--threads"); config%threads = int(value%count)
-      case ("--json", "--kalibr"); i = findloc(file_options == option%name, .true., dim=1)
-         config%file(i)%text = value%text
+      case ("--json"); config%file(1)%text = value%text
+      case ("--kalibr"); config%file(2)%text = value%text
       case ("--out"); config%out = value%text
       case ("--output"); config%output = value%text
       case ("--truth"); config%truth = value%text
