@@ -91,16 +91,11 @@ contains
       do i = 1, n
          rest(i) = job%x(i) - trend_values(verdict%trend, n, i)
       end do
-      call compute_allan(rest, job%step, octave_options(job), level, error, valid, job%progress)
+      call compute_allan(rest, job%step, &
+                         allan_options(min_coverage=job%options%allan%min_coverage), level, error, &
+                         valid, job%progress)
       if (.not. allocated(error)) curve%octaves = level%octaves
    end subroutine octaves_without_trend
-
-   !> Options of a curve that is fitted for the verdict.
-   pure type(allan_options) function octave_options(job)
-      type(job_type), intent(in) :: job
-
-      octave_options%min_coverage = job%options%allan%min_coverage
-   end function octave_options
 
    !> Options of a fit in which no R is sought beside a trend.
    pure type(noise_options) function options_beside(options, verdict) result(beside)
@@ -156,8 +151,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(allan_curve_type) :: curve
 
-      call compute_allan(job%x, job%step, octave_options(job), curve, error, job%valid, &
-                         job%progress)
+      call compute_allan(job%x, job%step, &
+                         allan_options(min_coverage=job%options%allan%min_coverage), curve, error, &
+                         job%valid, job%progress)
       if (.not. allocated(error)) call octaves_without_trend(job, job%valid, channel%verdict, &
                                                              curve, error)
       if (.not. allocated(error)) call fit_noise(curve, options_beside(noise_options(), &
