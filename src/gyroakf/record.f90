@@ -21,22 +21,17 @@ module gyroakf_record
 
    !> What was found while reading
    type :: audit_type
-      !> Samples per channel, missing ones included
-      integer(int64) :: samples = 0
-      !> Samples that are missing, summed over the channels
-      integer(int64) :: missing = 0
-      !> Places where the stamps show that samples were lost for good
-      integer(int64) :: gaps = 0
-      !> Those of them that are too long to be filled with missing samples
-      integer(int64) :: jumps = 0
+      !> Samples per channel, missing ones included; those that are missing, summed over the channels
+      integer(int64) :: samples = 0, missing = 0
+      !> Places where the stamps show that samples were lost for good; those of them that are too
+      !> long to be filled with missing samples
+      integer(int64) :: gaps = 0, jumps = 0
       !> Double steps at even distances, no gaps: losses or the beat of a coarse clock
       integer(int64) :: beats = 0
       !> A rate that explains the stamps as well as `stamp_rate`, by losses or beats, Hz; 0: none
       real(dp) :: other_rate = 0.0_dp
-      !> Stamps equal to the one before
-      integer(int64) :: duplicates = 0
-      !> Stamps smaller than the one before
-      integer(int64) :: backward_steps = 0
+      !> Stamps equal to the one before; smaller than it
+      integer(int64) :: duplicates = 0, backward_steps = 0
       !> Lines that could not be read and were marked missing
       integer(int64) :: bad_lines = 0
       !> True where the file has a time column

@@ -130,9 +130,10 @@ contains
       integer :: lags
 
       n = size(z, kind=int64)
-      lags = int(min(int(job%options%ljung_box_lags, int64), max(1_int64, n/5)))
-      if (job%options%correlation_lags > 0) &
-         lags = int(min(int(job%options%correlation_lags, int64), n - 1))
+      associate (asked => job%options%correlation_lags)
+         lags = int(min(int(job%options%ljung_box_lags, int64), max(1_int64, n/5)))
+         if (asked > 0) lags = int(min(int(asked, int64), n - 1))
+      end associate
       if (lags <= ubound(shared%r, 1)) then
          r = shared%r(0:lags)
          if (associated(job%valid)) pairs = shared%pairs(0:lags)

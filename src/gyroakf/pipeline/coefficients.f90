@@ -221,11 +221,13 @@ contains
                     walk => channel%allan(which)%noise%coefficient(term_walk), &
                     ramp => channel%allan(which)%noise%coefficient(term_ramp))
             if (.not. allan%fitted) cycle
-            if (index(verdict%drift, "random_walk") == 0 .and. walk%detected) &
+            if (index(verdict%drift, "random_walk") == 0 .and. walk%detected) then
                walk = coefficient_type(state="withheld")
+            end if
             if (verdict%trend%shape /= "" .or. (verdict%drift /= "random_walk_or_trend" .and. &
-                                                ramp%detected)) &
+                                                ramp%detected)) then
                ramp = coefficient_type(state="withheld")
+            end if
             call state_noise(allan%noise, job%rate_known, job%unit, allan%stated)
          end associate
       end do
