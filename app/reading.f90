@@ -8,8 +8,7 @@ module gyroakf_app_reading
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, &
       open_recording, recording_type, rows_within, say_too_large
-   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_result_type, &
-      run_pipeline
+   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
@@ -23,9 +22,8 @@ module gyroakf_app_reading
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
-   !> Bytes a sample that a true drift takes: as read and in the unit of the record, each with its
-   !> marks
-   integer(int64), parameter :: truth_bytes = 18, megabyte = 1000000
+   !> Bytes a sample that a true drift takes, with its marks
+   integer(int64), parameter :: truth_bytes = 9, megabyte = 1000000
 
 contains
 

@@ -127,7 +127,7 @@ contains
       class(progress_type), intent(inout), optional, target :: progress
       !> The true drift on the same grid, as `simulate_record` gives it: every filter gets its RMSE
       !> against it
-      type(record_type), intent(in), optional :: truth
+      type(record_type), intent(in), optional, target :: truth
       type(channel_progress_type), target :: named
       type(job_type) :: job
       type(error_type), allocatable :: first
@@ -162,10 +162,8 @@ contains
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
          named%name = result%channel(channel)%name
-         if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, &
-            result%channel(channel), error)
-         if (allocated(error)) return
          job%unit = unit_of(record, channel)
+         if (present(truth) .and. options%do_filter) call take_truth(truth, channel, job)
          job%x => record%value(:, channel)
          if (allocated(record%present)) job%recorded => record%present(:, channel)
          call run_channel(job, result%channel(channel), error)

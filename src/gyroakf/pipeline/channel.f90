@@ -76,8 +76,6 @@ contains
       if (allocated(error)) return
       if (allocated(cleaned) .and. .not. keep_series) deallocate (cleaned)
       if (job%options%do_filter) call run_drift_filters(job, channel, error)
-      if (allocated(channel%true_drift)) deallocate (channel%true_drift)
-      if (allocated(channel%true_drift_present)) deallocate (channel%true_drift_present)
       if (allocated(error) .or. .not. keep_series) return
       if (allocated(cleaned)) call move_alloc(cleaned, channel%series_cleaned)
       if (.not. allocated(channel%series_cleaned)) channel%series_cleaned = job%x

@@ -7,7 +7,7 @@
 !> remove. Off line the smoother sees the record from both sides; what is left of the record without
 !> the smoothed drift is `compensated`.
 module gyroakf_pipeline_channel_filters
-   use gyroakf_kinds, only : dp, int8, int64
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : check_memory, error_type
    use gyroakf_filter_design, only : adaptive_drift, design_akf, design_drift_akf, &
       design_drift_kf, design_kf
@@ -144,8 +144,8 @@ contains
          result%steps = size(drift, kind=int64)
          allocate (result%estimate(1))
          result%estimate(1)%text = "R"
-         channel%drift_smoother_figures = figures_of(result, channel%level%variance, drift, &
-            channel%level%mean, .false., channel, job%valid)
+         channel%drift_smoother_figures = figures_of(job, result, channel%level%variance, drift, &
+            channel%level%mean, .false., channel)
       end associate
    end subroutine run_smoother
 
@@ -224,8 +224,8 @@ contains
          return
       end if
       if (of_drift) filtered%mean = filtered%mean + mean
-      figures = figures_of(filtered, merge(channel%level%variance, channel%cleaned%variance, &
-                                           of_drift), x, mean, .not. of_drift, channel, job%valid)
+      figures = figures_of(job, filtered, merge(channel%level%variance, channel%cleaned%variance, &
+                                           of_drift), x, mean, .not. of_drift, channel)
       select case (name)
       case ("kf"); call keep(channel%available%kf, channel%kf, channel%kf_figures)
       case ("akf"); call keep(channel%available%akf, channel%akf, channel%akf_figures)
@@ -250,8 +250,9 @@ contains
    end subroutine run_filter
 
    !> Ratios of variances, and the RMSE where the true drift is known.
-   pure function figures_of(filtered, input_variance, x, mean, detrended, channel, valid) &
-      result(figures)
+   pure type(filter_figures_type) function figures_of(job, filtered, input_variance, x, mean, &
+                                                      detrended, channel) result(figures)
+      type(job_type), intent(in) :: job
       type(filter_result_type), intent(in) :: filtered
       !> Of the series that it filtered
       real(dp), intent(in) :: input_variance
@@ -260,13 +261,11 @@ contains
       real(dp), intent(in) :: mean
       logical, intent(in) :: detrended
       type(channel_result_type), intent(in) :: channel
-      integer(int8), intent(in), optional :: valid(:)
-      type(filter_figures_type) :: figures
 
       if (input_variance > 0.0_dp) figures%variance_ratio = filtered%variance/input_variance
       figures%passed_percent = 100.0_dp*filtered%dc_gain
       figures%lost_percent = 100.0_dp - figures%passed_percent
-      call compute_rmse(x, mean, detrended, channel, figures%rmse, figures%rmse_samples, valid)
+      call compute_rmse(job, x, mean, detrended, channel, figures)
    end function figures_of
 
    !> Memory for one series, where there is none yet.

@@ -22,6 +22,11 @@ module gyroakf_pipeline_channel_job
       real(dp), pointer, contiguous :: x(:) => null(), z(:) => null()
       !> 1 present, 0 missing: [n], as read, and with outliers missing too
       integer(int8), pointer, contiguous :: recorded(:) => null(), valid(:) => null()
+      !> The true drift, where it was given: [n]; times the factor in the unit of the samples
+      real(dp), pointer, contiguous :: true_drift(:) => null()
+      real(dp) :: truth_factor = 1.0_dp
+      !> 1 where it is known, 0 where it is not: [n]; not associated: known everywhere
+      integer(int8), pointer, contiguous :: truth_known(:) => null()
       !> Progress callback; may cancel
       class(progress_type), pointer :: progress => null()
    end type job_type

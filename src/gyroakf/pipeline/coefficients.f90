@@ -274,8 +274,7 @@ contains
                channel%reduction_percent(term) = 100.0_dp*(1.0_dp - after%value/before%value)
                channel%reduction_known(term) = .true.
             else if (after%fitted .and. after%upper_limit < before%value) then
-               channel%reduction_at_least(term) = &
-                  100.0_dp*(1.0_dp - after%upper_limit/before%value)
+               channel%reduction_at_least(term) = 100.0_dp*(1.0_dp - after%upper_limit/before%value)
             end if
          end associate
       end do

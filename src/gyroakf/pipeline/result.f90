@@ -219,11 +219,6 @@ module gyroakf_pipeline_result
       !> was taken from it
       type(moments_type) :: compensated
       real(dp) :: compensated_ratio = 0.0_dp
-      !> The true drift, where it was given, in the unit of the record: [n]; deallocated after the
-      !> filters
-      real(dp), allocatable :: true_drift(:)
-      !> 1 where it is known, 0 where it is not: [n]; unallocated: known everywhere
-      integer(int8), allocatable :: true_drift_present(:)
       !> By [[gyroakf_pipeline_allan_result:stage]]
       type(allan_result_type), allocatable :: allan(:)
       !> Whether the curve of the record as read changed from its first to its second half
