@@ -27,18 +27,6 @@ module gyroakf_app_reading
 
 contains
 
-   !> Without `--memory` the bound is what the machine, the container and the shell leave.
-   subroutine find_bound(reader)
-      type(reader_options), intent(inout) :: reader
-      integer(int64) :: bytes
-
-      if (reader%memory > 0) return
-      bytes = free_memory()
-      if (bytes <= 0) return
-      reader%memory = max(2*base_bytes, int(usable_share*real(bytes, dp), int64))
-      reader%memory_found = .true.
-   end subroutine find_bound
-
    !> What was read, and but for inspect what came out.
    subroutine read_and_run(config, record, result, error, progress)
       !> The file, how it is read and what is computed
@@ -53,13 +41,18 @@ contains
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
       type(record_type) :: truth
+      integer(int64) :: bytes
       integer :: i
 
       reader = config%reader
       reader%survey = config%command == "inspect"
       if (.not. reader%survey) call estimate_memory(config%pipeline, reader)
       if (config%truth /= "") reader%work_bytes = reader%work_bytes + truth_bytes
-      call find_bound(reader)
+      if (reader%memory <= 0) then            ! what the machine, the container and the shell leave
+         bytes = free_memory()
+         reader%memory_found = bytes > 0
+         if (bytes > 0) reader%memory = max(2*base_bytes, int(usable_share*real(bytes, dp), int64))
+      end if
       call read_within(config, reader, record, error, progress)
       call name_options_in(record%warnings)
       if (.not. allocated(error) .and. config%file(2)%text /= "") call check_kalibr(record, error)
