@@ -127,7 +127,6 @@ contains
    subroutine check_many(config, error)
       type(config_type), intent(in) :: config
       type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: option
       integer :: i, inputs
 
       inputs = merge(1, 0, config%list == "-")
@@ -140,19 +139,15 @@ contains
       call refuse(inputs > 1, "standard input ('-') can be read once", error)
       call refuse(config%truth /= "", "--truth is that of one recording; many files have one "// &
                   "each: give them one by one", error)
-      do i = 2, size(config%file)
-         option = trim(file_options(i))
-         associate (target => config%file(i)%text)
-            if (target == "") cycle
-            call refuse(config%out == "", option//" with many files needs --out: it is written "// &
-                        "into the folder of each", error)
-            call refuse(scan(target, "/") > 0 .or. target == "-", option//" with many files "// &
-                        "needs a name without a folder: it is written into that of each", error)
-            call refuse(any(result_files == target), &
-                        option//" and --out name the same file '"//target//"'", error)
-         end associate
-      end do
-      if (.not. allocated(error)) call check_different(config, 2, error)
+      associate (kalibr => config%file(2)%text)
+         if (kalibr == "") return
+         call refuse(config%out == "", "--kalibr with many files needs --out: it is written "// &
+                     "into the folder of each", error)
+         call refuse(scan(kalibr, "/") > 0, "--kalibr with many files needs a name without a "// &
+                     "folder: it is written into that of each", error)
+         call refuse(any(result_files == kalibr), &
+                     "--kalibr and --out name the same file '"//kalibr//"'", error)
+      end associate
    end subroutine check_many
 
    !> Files that are no results of gyroakf are kept, records and files of options too, unless
@@ -223,32 +218,11 @@ contains
       end do
       call refuse(is_result(config%out, config%truth), &
                   "a result would overwrite the true drift '"//config%truth//"'", error)
-      if (.not. allocated(error)) call check_different(config, 1, error)
+      call refuse(is_same_file(config%file(2)%text, config%file(1)%text), "--json and --kalibr "// &
+                  "name the same file '"//config%file(1)%text//"'", error)
       call refuse(is_result(config%out, config%path), "--out would overwrite the recording '"// &
                   config%path(after_dots(config%path):)//"'", error)
    end subroutine check_outputs
-
-   !> No two options write the same file, or both standard output.
-   subroutine check_different(config, first, error)
-      type(config_type), intent(in) :: config
-      !> Options that are compared: from this one on
-      integer, intent(in) :: first
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: both
-      integer :: i, j
-
-      do i = first + 1, size(config%file)
-         do j = first, i - 1
-            associate (target => config%file(i)%text)
-               if (.not. is_same_file(target, config%file(j)%text)) cycle
-               both = trim(file_options(j))//" and "//trim(file_options(i))
-               call refuse(target == "-", both//" would both be on standard output ('-')", error)
-               call refuse(target /= "-", &
-                  both//" name the same file '"//config%file(j)%text//"'", error)
-            end associate
-         end do
-      end do
-   end subroutine check_different
 
    !> Whether --out writes that file.
    logical function is_result(directory, path)

@@ -8,11 +8,12 @@ module gyroakf_app_cli
    use gyroakf_error, only : error_type
    use gyroakf_io_place, only : integer_text
    use gyroakf_record, only : text_type
+   use gyroakf_release, only : release_string
    use gyroakf_app_check, only : check_job
    use gyroakf_app_completion, only : completion_text
    use gyroakf_app_config, only : config_type, new_config, reads_files
    use gyroakf_app_config_file, only : add_config, config_text
-   use gyroakf_app_help, only : citation_text, command_help, manual_text, program_help, version_text
+   use gyroakf_app_help, only : citation_text, command_help, manual_text, program_help
    use gyroakf_app_option, only : belongs_to, commands_of, find_option, suggest_word, takes_value
    use gyroakf_app_option_table, only : all_names, option_type, options
    use gyroakf_app_settings, only : apply_option
@@ -57,7 +58,6 @@ contains
    !> `gyroakf help` is `gyroakf --help`, `gyroakf version` is `gyroakf --version`.
    subroutine take_verb(words, error)
       type(words_type), intent(inout) :: words
-      !> usage: help of a command that is none
       type(error_type), allocatable, intent(out) :: error
 
       do while (words%positional > 0 .and. .not. words%behind_dashes)
@@ -79,7 +79,6 @@ contains
    subroutine find_command(words, command, first, error)
       type(words_type), intent(in) :: words
       character(:), allocatable, intent(out) :: command
-      !> Number of the word
       integer, intent(out) :: first
       type(error_type), allocatable, intent(out) :: error
       logical :: there
@@ -131,7 +130,7 @@ contains
          case ("--help")
             config%text = program_help(whole=words%given(i)%value == "all")
             if (names_command(words)) config%text = command_help(words%word(1)%text)
-         case ("--version"); config%text = version_text()
+         case ("--version"); config%text = "gyroakf "//release_string//new_line("a")
          case ("--citation"); config%text = citation_text()
          case ("--man"); config%text = manual_text()
          case ("--completion")
@@ -148,7 +147,6 @@ contains
    subroutine make_job(words, command, first, config, error)
       type(words_type), intent(in) :: words
       character(*), intent(in) :: command
-      !> Word of the first file
       integer, intent(in) :: first
       type(config_type), intent(out) :: config
       type(error_type), allocatable, intent(out) :: error

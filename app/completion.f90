@@ -87,7 +87,6 @@ contains
 
    function zsh_spec(option, name) result(spec)
       type(option_type), intent(in) :: option
-      !> The long or the short one
       character(*), intent(in) :: name
       character(4), parameter :: escaped = "\[]:"
       character(:), allocatable :: spec

@@ -10,7 +10,8 @@ module gyroakf_app_config
    private
    public :: config_type, new_config, reads_files, is_analysis, has_many_files, file_options
 
-   !> Options that name a file of results each, in the order of `config_type%file`
+   !> Options that name a file of results each, in the order of `config_type%file`; the first may be
+   !> "-", standard output
    character(8), parameter :: file_options(2) = [character(8) :: "--json", "--kalibr"]
 
    !> A job; texts are "" where an option was not given

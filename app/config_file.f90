@@ -9,9 +9,9 @@ module gyroakf_app_config_file
    use gyroakf_kinds, only : int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_place, only : integer_text
-   use gyroakf_record, only : text_type
+   use gyroakf_record, only : add_text, text_type
    use gyroakf_release, only : release_string
-   use gyroakf_app_config_value, only : read_value, quoted
+   use gyroakf_spelling, only : replace_all
    use gyroakf_app_file_list, only : read_lines
    use gyroakf_app_option, only : belongs_to, explained, find_option, suggest_option, takes_value
    use gyroakf_app_option_table, only : command_names, options
@@ -20,7 +20,7 @@ module gyroakf_app_config_file
    private
    public :: add_config, config_text
 
-   character(*), parameter :: nl = new_line("a")
+   character(*), parameter :: nl = new_line("a"), white = " "//achar(9)//achar(13)
 
 contains
 
@@ -57,7 +57,6 @@ contains
       type(words_type), intent(inout) :: more
       character(:), allocatable, intent(inout) :: command
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: white = " "//achar(9)//achar(13)
       type(text_type), allocatable :: value(:)
       character(:), allocatable :: name, problem
       integer :: first, equals
@@ -89,7 +88,6 @@ contains
    end subroutine read_line
 
    subroutine add_option(name, value, place, more, error)
-      !> With its dashes
       character(*), intent(in) :: name
       type(text_type), intent(in) :: value(:)
       character(*), intent(in) :: place
@@ -127,11 +125,9 @@ contains
 
    !> The file's options first; its command and files where the command line has none.
    subroutine join(more, command, words)
-      !> Of the file
       type(words_type), intent(in) :: more
       !> Of the file, "" where it has none
       character(*), intent(in) :: command
-      !> Of the line; grows
       type(words_type), intent(inout) :: words
       type(given_type), allocatable :: given(:)
       type(text_type), allocatable :: word(:)
@@ -219,5 +215,81 @@ contains
          end associate
       end do
    end function config_text
+
+   !> What stands behind the equals sign: a bare word, a text in quotes, a list of them; a comment
+   !> may follow.
+   subroutine read_value(text, value, problem)
+      character(*), intent(in) :: text
+      !> [1], of a list any number
+      type(text_type), allocatable, intent(out) :: value(:)
+      !> What is wrong; "" if nothing
+      character(:), allocatable, intent(out) :: problem
+      character(:), allocatable :: line
+      integer :: at
+      logical :: list
+
+      allocate (value(0))
+      problem = ""
+      line = text//"#"                             ! a comment at the end at least
+      at = verify(line, white)
+      list = line(at:at) == "["
+      if (list) at = at + 1
+      do
+         at = at - 1 + verify(line(at:), white)
+         if (list .and. line(at:at) == "]") exit
+         call read_word(line, at, value, problem)
+         if (problem /= "") return
+         at = at - 1 + verify(line(at:), white)
+         if (.not. list .or. line(at:at) == "]") exit
+         if (line(at:at) /= ",") then
+            problem = "the list does not end with ]"
+            return
+         end if
+         at = at + 1
+      end do
+      if (list) at = at + verify(line(at + 1:), white)
+      if (line(at:at) /= "#") problem = "something follows the value: '"//text(at:)//"'"
+   end subroutine read_value
+
+   !> A text in quotes, with \" and \\ in it, or a bare word.
+   subroutine read_word(text, at, value, problem)
+      !> With # somewhere behind the word
+      character(*), intent(in) :: text
+      integer, intent(inout) :: at
+      type(text_type), allocatable, intent(inout) :: value(:)
+      character(:), allocatable, intent(inout) :: problem
+      character(:), allocatable :: word
+      integer :: to
+
+      word = ""
+      if (text(at:at) == """") then
+         at = at + 1
+         do while (at <= len(text))
+            if (text(at:at) == """") exit
+            if (text(at:at) == "\" .and. at < len(text)) at = at + 1
+            word = word//text(at:at)
+            at = at + 1
+         end do
+         if (at > len(text)) problem = "the quotes are not closed"
+         at = at + 1
+      else
+         to = scan(text(at:), white//"#,]""")
+         word = text(at:at + to - 2)
+         at = at + to - 1
+         if (word == "") problem = "there is no value"
+      end if
+      if (problem == "") call add_text(value, word)
+   end subroutine read_word
+
+   !> A text in quotes.
+   pure function quoted(text) result(word)
+      character(*), intent(in) :: text
+      character(:), allocatable :: word
+
+      word = text
+      call replace_all(word, "\", "\\")
+      call replace_all(word, """", "\""")
+      word = """"//word//""""
+   end function quoted
 
 end module gyroakf_app_config_file

@@ -19,11 +19,11 @@ module gyroakf_app_driver
    use gyroakf_app_cli, only : get_config
    use gyroakf_app_config, only : config_type, has_many_files
    use gyroakf_app_help, only : usage_text
-   use gyroakf_app_interrupt, only : guard_files, interrupt_signal, watch_signals
    use gyroakf_app_job, only : do_job
    use gyroakf_app_many, only : work_on_many
    use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar, start_bar
+   use gyroakf_app_system, only : guard_files, interrupt_signal, watch_signals
    use gyroakf_app_words, only : read_arguments
    implicit none (type, external)
    private
@@ -61,7 +61,6 @@ contains
 
    subroutine execute(config, code, error)
       type(config_type), intent(in) :: config
-      !> The largest of many files
       integer, intent(out) :: code
       type(error_type), allocatable, intent(out) :: error
       type(bar_type) :: bar
@@ -91,9 +90,7 @@ contains
    end subroutine execute
 
    subroutine write_text(path, text, error)
-      !> "-" is standard output
-      character(*), intent(in) :: path
-      character(*), intent(in) :: text
+      character(*), intent(in) :: path, text
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: writer
 

@@ -8,7 +8,7 @@ module gyroakf_app_help
    use gyroakf_spelling, only : replace_all
    implicit none (type, external)
    private
-   public :: program_help, command_help, usage_text, version_text, citation_text, manual_text
+   public :: program_help, command_help, usage_text, citation_text, manual_text
 
    character(*), parameter :: nl = new_line("a")
 
@@ -82,13 +82,6 @@ module gyroakf_app_help
       "selftest", "gyroakf selftest"], [2, 29])
 
 contains
-
-   !> What `--version` prints.
-   function version_text() result(text)
-      character(:), allocatable :: text
-
-      text = "gyroakf "//release_string//nl
-   end function version_text
 
    !> What `--citation` prints.
    function citation_text() result(text)
@@ -174,8 +167,7 @@ contains
    !> The lines of one option: name and value, then what it does, wrapped.
    function option_lines(option) result(text)
       type(option_type), intent(in) :: option
-      character(:), allocatable :: text
-      character(:), allocatable :: line
+      character(:), allocatable :: text, line
 
       line = "  "//option_names(option)//" "//trim(option%value)
       text = ""
@@ -188,7 +180,6 @@ contains
 
    !> A text in lines that begin at a column and end at [[last_column]].
    function wrapped(text, column, begun) result(lines)
-      !> One paragraph
       character(*), intent(in) :: text
       !> Where the lines begin, 1 at the margin
       integer, intent(in) :: column

@@ -6,7 +6,7 @@
 module gyroakf_app_job
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_writer, only : writer_type, open_writer, complete_writer, commit_writer, &
-      & discard_writer, make_directory
+      & make_directory
    use gyroakf_pipeline, only : pipeline_result_type, channel_result_type
    use gyroakf_record, only : record_type
    use gyroakf_report_document, only : write_document
@@ -14,10 +14,9 @@ module gyroakf_app_job
    use gyroakf_report_kalibr, only : write_kalibr
    use gyroakf_report_text_report, only : write_report, report_inspect
    use gyroakf_app_config, only : config_type, file_options
-   use gyroakf_app_interrupt, only : guard_files, interrupted
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : read_and_run
-   use gyroakf_app_system, only : open_report
+   use gyroakf_app_system, only : end_writers, guard_files, interrupted, open_report
    implicit none (type, external)
    private
    public :: do_job
@@ -53,66 +52,49 @@ contains
    end subroutine do_job
 
    !> The files that options name and the result files: all are complete before the first one
-   !> appears.
+   !> appears. Those of inspect --out are report.txt and results.json.
    subroutine write_files(config, bar, record, result, error)
       type(config_type), intent(in) :: config
       type(bar_type), intent(inout) :: bar
       type(record_type), intent(in) :: record
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: writer(size(config%file))
+      character(12), parameter :: written(2) = [character(12) :: "report.txt", "results.json"]
+      type(writer_type) :: writer(size(config%file) + 2)
       integer :: i
 
       if (config%out /= "") call make_directory(config%out, error)
       do i = 1, size(config%file)
-         if (allocated(error) .or. any(config%file(i)%text == ["-", " "])) cycle
-         call write_kind(i, config%file(i)%text, config, record, result, writer(i), error)
-         if (.not. allocated(error)) call complete_writer(writer(i), error)
+         if (config%file(i)%text /= "-") call write_aside(file_options(i), config%file(i)%text, i)
       end do
-      if (.not. allocated(error) .and. config%out /= "") then
-         if (config%command == "inspect") then
-            call write_inspection(config, record, result, error)
-         else
-            call write_results(config%out, config%command, record, config%pipeline, result, &
-               & error, config%series, bar, config%command_line, config%chart)
-         end if
+      if (config%command == "inspect" .and. config%out /= "") then
+         do i = 1, 2
+            call write_aside(written(i), config%out//"/"//trim(written(i)), size(config%file) + i)
+         end do
+         if (.not. allocated(error)) call remove_others(config%out, written)
+      else if (.not. allocated(error) .and. config%out /= "") then
+         call write_results(config%out, config%command, record, config%pipeline, result, &
+            & error, config%series, bar, config%command_line, config%chart)
       end if
-      do i = 1, size(config%file)
-         if (allocated(error)) then
-            call discard_writer(writer(i))
-         else if (writer(i)%complete) then
-            call commit_writer(writer(i), error)
-         end if
-      end do
+      call end_writers(writer, error)
+
+   contains
+
+      subroutine write_aside(kind, path, i)
+         character(*), intent(in) :: kind, path
+         integer, intent(in) :: i
+
+         if (allocated(error) .or. path == "") return
+         call write_kind(kind, path, config, record, result, writer(i), error)
+         if (.not. allocated(error)) call complete_writer(writer(i), error)
+      end subroutine write_aside
+
    end subroutine write_files
 
-   !> inspect --out: report.txt and results.json.
-   subroutine write_inspection(config, record, result, error)
-      type(config_type), intent(in) :: config
-      type(record_type), intent(in) :: record
-      type(pipeline_result_type), intent(in) :: result
-      type(error_type), allocatable, intent(out) :: error
-      type(writer_type) :: report, document
-      character(12), parameter :: written(2) = [character(12) :: "report.txt", "results.json"]
-
-      call open_writer(report, config%out//"/report.txt", error)
-      if (.not. allocated(error)) call report_inspect(report, record)
-      if (.not. allocated(error)) call complete_writer(report, error)
-      if (.not. allocated(error)) then
-         call write_kind(1, config%out//"/results.json", config, record, result, document, error)
-      end if
-      if (.not. allocated(error)) call complete_writer(document, error)
-      if (.not. allocated(error)) call remove_others(config%out, written)
-      if (.not. allocated(error)) call commit_writer(report, error)
-      if (.not. allocated(error)) call commit_writer(document, error)
-      call discard_writer(report)
-      call discard_writer(document)
-   end subroutine write_inspection
-
-   !> The content of a file that an option names, in an open writer.
+   !> The content of a file in an open writer.
    subroutine write_kind(kind, path, config, record, result, writer, error)
-      !> Place of the option in [[gyroakf_app_config:file_options]]
-      integer, intent(in) :: kind
+      !> An option of [[gyroakf_app_config:file_options]], or the name of the file
+      character(*), intent(in) :: kind
       character(*), intent(in) :: path
       type(config_type), intent(in) :: config
       type(record_type), intent(in) :: record
@@ -122,8 +104,10 @@ contains
 
       call open_writer(writer, path, error)
       if (allocated(error)) return
-      if (file_options(kind) == "--kalibr") then
+      if (kind == "--kalibr") then
          call write_kalibr(writer, record, result, error)
+      else if (kind == "report.txt") then
+         call report_inspect(writer, record)
       else if (config%command == "inspect") then
          call write_document(writer, record, command_line=config%command_line)
       else
@@ -182,14 +166,12 @@ contains
       type(pipeline_result_type), intent(in) :: result
       type(error_type), allocatable, intent(out) :: error
       type(writer_type) :: writer
-      integer :: i
 
-      do i = 1, size(config%file)
-         if (config%file(i)%text /= "-") cycle
-         call write_kind(i, "-", config, record, result, writer, error)
+      if (config%file(1)%text == "-") then
+         call write_kind(file_options(1), "-", config, record, result, writer, error)
          if (.not. allocated(error)) call commit_writer(writer, error)
          return
-      end do
+      end if
       if (config%quiet) return
       call open_report(writer, config%colour, config%ascii, error)
       if (allocated(error)) return

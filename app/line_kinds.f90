@@ -24,8 +24,7 @@ module gyroakf_app_line_kinds
    !> A line of the file
    type :: line_type
       character(:), allocatable :: pattern
-      !> COLUMN=VALUE, where a word or a label names the kind of the record; unallocated where none
-      !> does
+      !> COLUMN=VALUE, where a word or a label names the kind of the record; "" where none does
       character(:), allocatable :: kind
    end type line_type
 
@@ -44,6 +43,7 @@ contains
       do i = 1, size(line)
          feed = at - 1 + findloc(bytes(at:), 10_int8, dim=1)
          line(i)%pattern = ""
+         line(i)%kind = ""
          if (.not. is_no_row(bytes, at, feed - 1)) then
             call find_pattern(bytes, at, feed - 1, line(i)%pattern, marks)
             call find_kind(bytes(at:feed - 1), line(i))
@@ -97,7 +97,7 @@ contains
       allocate (kinds(0), found(0))
       times = 0
       do i = 1, size(line)
-         if (.not. allocated(line(i)%kind)) cycle
+         if (line(i)%kind == "") cycle
          do k = 1, size(found)
             if (found(k)%text == line(i)%kind) exit
          end do
@@ -107,7 +107,7 @@ contains
       end do
       several = size(found) > 1
       do i = 1, size(line)
-         several = several .or. .not. (allocated(line(i)%kind) .or. len(line(i)%pattern) == 0)
+         several = several .or. (line(i)%kind == "" .and. len(line(i)%pattern) > 0)
       end do
       do while (size(kinds) < most_kinds .and. several .and. any(times > 2))
          k = maxloc(times, dim=1)
@@ -169,9 +169,7 @@ contains
       do lines = 1, min(most_together, size(line)/3)
          do i = lines + 1, size(line)
             associate (this => line(i), earlier => line(i - lines))
-               again = this%pattern == earlier%pattern
-               again = again .and. (allocated(this%kind) .eqv. allocated(earlier%kind))
-               if (again .and. allocated(this%kind)) again = this%kind == earlier%kind
+               again = this%pattern == earlier%pattern .and. this%kind == earlier%kind
             end associate
             if (.not. again) exit
          end do

@@ -5,8 +5,8 @@ module gyroakf_app_many
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf_utf8, only : make_readable
    use gyroakf_error, only : error_type, exit_code, status
-   use gyroakf_io_writer, only : commit_writer, complete_writer, discard_writer, make_directory, &
-      open_writer, writer_type
+   use gyroakf_io_writer, only : commit_writer, complete_writer, make_directory, open_writer, &
+      writer_type
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
    use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, &
@@ -14,12 +14,11 @@ module gyroakf_app_many
    use gyroakf_app_check, only : check_existing, is_result
    use gyroakf_app_config, only : config_type
    use gyroakf_app_file_list, only : name_folders, read_list, summary_files
-   use gyroakf_app_interrupt, only : guard_files
    use gyroakf_app_job, only : do_job
    use gyroakf_app_option, only : name_options
    use gyroakf_app_progress_bar, only : bar_type, clear_bar
    use gyroakf_app_reading, only : with_path
-   use gyroakf_app_system, only : open_report
+   use gyroakf_app_system, only : end_writers, guard_files, open_report
    use gyroakf_app_words, only : usage_error
    implicit none (type, external)
    private
@@ -67,7 +66,6 @@ contains
       type(config_type), intent(in) :: job
       type(bar_type), intent(inout) :: bar
       type(summary_row_type), intent(out) :: row
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       type(record_type) :: record, unread
       type(pipeline_result_type) :: result
@@ -92,32 +90,24 @@ contains
       type(config_type), intent(in) :: config
       !> The files, and the folders of their results, "" where none are written: [number of files]
       type(text_type), allocatable, intent(out) :: paths(:), folders(:)
-      !> usage, io, parse
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: out
       type(config_type) :: job
-      integer :: i, j
-      logical :: forbidden
+      integer :: i
 
       paths = config%paths
       if (config%list /= "") call read_list(config%list, paths, error)
       if (allocated(error)) return
       call name_folders(paths, folders)
-      out = config%out
-      do while (len(out) > 1 .and. index(out, "/", back=.true.) == len(out))
-         out = out(:len(out) - 1)
-      end do
+      out = config%out(:min(len(config%out), max(1, verify(config%out, "/", back=.true.))))
       do i = 1, size(paths)
          if (out == "") then
             folders(i)%text = ""
             cycle
          end if
          folders(i)%text = out//"/"//folders(i)%text
-         forbidden = is_result(folders(i)%text, paths(i)%text)
-         do j = 1, size(summary_files)
-            if (paths(i)%text == out//"/"//trim(summary_files(j))) forbidden = .true.
-         end do
-         if (forbidden) then
+         if (is_result(folders(i)%text, paths(i)%text) .or. &
+             any(paths(i)%text == out//"/"//summary_files)) then
             call usage_error(error, "--out would overwrite the recording '"//paths(i)%text//"'")
          else
             call prepare_job(config, paths(i)%text, folders(i)%text, job)
@@ -131,7 +121,6 @@ contains
       type(config_type), intent(in) :: config
       character(*), intent(in) :: path, folder
       type(config_type), intent(out) :: job
-      integer :: i
 
       job = config
       job%path = path
@@ -141,9 +130,7 @@ contains
       job%quiet = .true.
       job%out = folder
       job%file(1)%text = ""
-      do i = 2, size(job%file)
-         if (job%file(i)%text /= "") job%file(i)%text = folder//"/"//job%file(i)%text
-      end do
+      if (job%file(2)%text /= "") job%file(2)%text = folder//"/"//job%file(2)%text
    end subroutine prepare_job
 
    subroutine print_summary(config, rows, error)
@@ -183,13 +170,7 @@ contains
          if (i > 1) call write_summary_json(writer(i), config%command, rows)
          call complete_writer(writer(i), error)
       end do
-      do i = 1, size(writer)
-         if (allocated(error)) then
-            call discard_writer(writer(i))
-         else if (writer(i)%complete) then
-            call commit_writer(writer(i), error)
-         end if
-      end do
+      call end_writers(writer, error)
    end subroutine write_files
 
 end module gyroakf_app_many

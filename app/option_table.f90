@@ -95,9 +95,8 @@ module gyroakf_app_option_table
       option_type("--unit", "UNIT[,...]", "text", "input", "unit of the values: rad/s, deg/s, "// &
          "deg/h, mdps, m/s^2, g, mg, ...; of the angle (rad, deg, arcsec) with --input "// &
          "increment or angle; a list has one unit for each channel", frequent=.true.), &
-      option_type("--input", "rate|increment|angle", "choice", "input", &
-         "what the values are: rates (default), angle increments per sample, or accumulated "// &
-         "angles"), &
+      option_type("--input", "rate|increment|angle", "choice", "input", "what the values are: "// &
+         "rates (default), angle increments per sample, or accumulated angles"), &
       option_type("--wrap", "auto|none|VALUE", "positive", "input", &
          "where the angles of --input angle begin again, in units of the file, as 65536 or "// &
          "360; auto (default): the range of the integers of a binary file"), &
@@ -218,9 +217,8 @@ module gyroakf_app_option_table
          "deviations 1:8"), &
       option_type("--ar", "PHI[,...]", "reals", "record", "coefficients of an AR(p) term"), &
       option_type("--ar-variance", "V", "positive", "record", "variance of the AR(p) term"), &
-      option_type("--markov", "SIGMA,T[,...]", "positives", "record", &
-         "first-order Gauss-Markov processes: standard deviation and correlation time in s of "// &
-         "each"), &
+      option_type("--markov", "SIGMA,T[,...]", "positives", "record", "first-order "// &
+         "Gauss-Markov processes: standard deviation and correlation time in s of each"), &
       option_type("--vibration", "AMPLITUDE,HZ,WIDTH[,...]", "positives", "record", &
          "vibration lines: narrow-band noise with the power of a sine of that amplitude, "// &
          "frequency and width at half the power in Hz"), &
@@ -258,10 +256,9 @@ module gyroakf_app_option_table
       option_type("--kalibr", "FILE", "text", "output", "write N and K as Kalibr's imu.yaml: "// &
          "SI, of each sensor the largest axis; needs rate and unit; of many files into the "// &
          "folder of each", commands="run allan", frequent=.true.), &
-      option_type("--series-format", "csv|npy|f64", "choice", "output", &
-         "how --out writes the series: series.csv (default), series.npy or series.f64 "// &
-         "(float64, a row per sample: time, and of each channel raw, cleaned, kf, akf)", &
-         commands="run filter"), &
+      option_type("--series-format", "csv|npy|f64", "choice", "output", "how --out writes the "// &
+         "series: series.csv (default), series.npy or series.f64 (float64, a row per sample: "// &
+         "time, and of each channel raw, cleaned, kf, akf)", commands="run filter"), &
       option_type("--digits", "N", "natural", "output", &
          "significant digits of series and records as text (default 0: as few as read back to "// &
          "the same number)", commands="run filter simulate"), &
@@ -269,9 +266,8 @@ module gyroakf_app_option_table
          "reference sensor) on the record's grid: RMSE of every filter", commands="run filter"), &
       option_type("--chart", "on|off", "choice", "output", "draw the Allan deviation in "// &
          "characters in the report (default on)", commands="run allan"), &
-      option_type("--color", "auto|always|never", "choice", "output", &
-         "colours in the report on standard output; auto (default): on a terminal, unless "// &
-         "NO_COLOR is set"), &
+      option_type("--color", "auto|always|never", "choice", "output", "colours in the report "// &
+         "on standard output; auto (default): on a terminal, unless NO_COLOR is set"), &
       option_type("--ascii", "", "flag", "output", &
          "the report on standard output in ASCII (default where the locale is not UTF-8)"), &
       option_type("--details", "", "flag", "output", "print every table, test and model "// &

@@ -9,8 +9,7 @@ module gyroakf_app_progress_bar
    use gyroakf_kinds, only : dp, int64
    use gyroakf_progress, only : progress_type
    use gyroakf_progress_text, only : progress_line
-   use gyroakf_app_interrupt, only : bar_is_shown, interrupted
-   use gyroakf_app_system, only : c_isatty, write_bytes
+   use gyroakf_app_system, only : bar_is_shown, c_isatty, interrupted, write_bytes
    implicit none (type, external)
    private
    public :: bar_type, start_bar, clear_bar
@@ -62,13 +61,9 @@ contains
 
    !> Draws, where it is time to; an interrupt cancels the work.
    subroutine draw(self, stage, done, total, cancel)
-      !> The bar
       class(bar_type), intent(inout) :: self
-      !> What is being done
       character(*), intent(in) :: stage
-      !> So much of `total`, 0 where that is not known
       integer(int64), intent(in) :: done, total
-      !> The user wants to end
       logical, intent(out) :: cancel
       integer(int64) :: now
       real(dp) :: per_second

@@ -8,8 +8,7 @@ module gyroakf_app_reading
    use gyroakf_io_reader, only : complete_record, read_record, reader_options
    use gyroakf_io_recording, only : base_bytes, bytes_needed, close_recording, hold_rows, &
       open_recording, recording_type, rows_within, say_too_large
-   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_options, &
-      pipeline_result_type, run_pipeline
+   use gyroakf_pipeline, only : check_truth, estimate_memory, pipeline_result_type, run_pipeline
    use gyroakf_progress, only : progress_type
    use gyroakf_record, only : record_type
    use gyroakf_report_kalibr, only : check_kalibr
@@ -23,24 +22,10 @@ module gyroakf_app_reading
 
    !> Share of the memory that can be had which a recording may take
    real(dp), parameter :: usable_share = 0.95_dp
-   !> Bytes a sample that a true drift takes: as read and in the unit of the record, each with its
-   !> marks
-   integer(int64), parameter :: truth_bytes = 18, megabyte = 1000000
+   !> Bytes a sample that a true drift takes, with its marks
+   integer(int64), parameter :: truth_bytes = 9, megabyte = 1000000
 
 contains
-
-   !> Without `--memory` the bound is what the machine, the container and the shell leave.
-   subroutine find_bound(reader)
-      !> Its `memory` is set
-      type(reader_options), intent(inout) :: reader
-      integer(int64) :: bytes
-
-      if (reader%memory > 0) return
-      bytes = free_memory()
-      if (bytes <= 0) return
-      reader%memory = max(2*base_bytes, int(usable_share*real(bytes, dp), int64))
-      reader%memory_found = .true.
-   end subroutine find_bound
 
    !> What was read, and but for inspect what came out.
    subroutine read_and_run(config, record, result, error, progress)
@@ -56,13 +41,18 @@ contains
       class(progress_type), intent(inout) :: progress
       type(reader_options) :: reader
       type(record_type) :: truth
+      integer(int64) :: bytes
       integer :: i
 
       reader = config%reader
       reader%survey = config%command == "inspect"
-      if (.not. reader%survey) call set_memory(config%pipeline, reader)
+      if (.not. reader%survey) call estimate_memory(config%pipeline, reader)
       if (config%truth /= "") reader%work_bytes = reader%work_bytes + truth_bytes
-      call find_bound(reader)
+      if (reader%memory <= 0) then            ! what the machine, the container and the shell leave
+         bytes = free_memory()
+         reader%memory_found = bytes > 0
+         if (bytes > 0) reader%memory = max(2*base_bytes, int(usable_share*real(bytes, dp), int64))
+      end if
       call read_within(config, reader, record, error, progress)
       call name_options_in(record%warnings)
       if (.not. allocated(error) .and. config%file(2)%text /= "") call check_kalibr(record, error)
@@ -139,7 +129,6 @@ contains
    !> is not known, what needs less.
    subroutine list_ways(config, recording, text)
       type(config_type), intent(in) :: config
-      !> Not whole
       type(recording_type), intent(in) :: recording
       character(:), allocatable, intent(out) :: text
       type(config_type) :: allan
@@ -163,7 +152,7 @@ contains
       end if
       if (config%command == "run" .or. config%command == "filter") then
          call new_config("allan", allan)
-         call set_memory(allan%pipeline, less)
+         call estimate_memory(allan%pipeline, less)
          call add_if_fits("gyroakf allan "//shell_word(config%path)//config%input_options)
       end if
       rate = recording%options%rate_hz
@@ -199,15 +188,6 @@ contains
          text = text//trim(merge(" ", ";", text(len(text):) == ":"))//" "//way
       end subroutine add
    end subroutine list_ways
-
-   subroutine set_memory(pipeline, reader)
-      type(pipeline_options), intent(in) :: pipeline
-      !> Its bytes per sample are set
-      type(reader_options), intent(inout) :: reader
-
-      call estimate_memory(pipeline, reader%work_bytes, reader%channel_bytes, reader%part_bytes, &
-         & reader%part_samples)
-   end subroutine set_memory
 
    !> A message that names the file.
    pure function with_path(path, message) result(text)

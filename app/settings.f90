@@ -7,7 +7,7 @@ module gyroakf_app_settings
    use gyroakf_io_reader, only : reader_options
    use gyroakf_pipeline, only : apply_preset, pipeline_options
    use gyroakf_units, only : unit_type, parse_units
-   use gyroakf_app_config, only : config_type, file_options
+   use gyroakf_app_config, only : config_type
    use gyroakf_app_option, only : suggest_word
    use gyroakf_app_option_table, only : option_type
    use gyroakf_app_simulation, only : set_record, set_sensor
@@ -29,6 +29,8 @@ contains
       !> usage
       type(error_type), allocatable, intent(out) :: error
       type(value_type) :: value
+      type(error_type), allocatable :: unknown
+      type(unit_type), allocatable :: unit(:)
 
       call convert_value(option, text, value, error)
       if (allocated(error)) return
@@ -39,7 +41,8 @@ contains
          call set_method(config%pipeline, option, value, error)
       case default; call set_common(config, option, value, error)
       end select
-      if (option%name == "--unit") call check_units(option, text, error)
+      if (option%name == "--unit") call parse_units(text, unit, unknown)
+      if (allocated(unknown)) call value_error(option, unknown%message, error)
    end subroutine apply_option
 
    subroutine set_input(reader, option, value, error)
@@ -93,17 +96,6 @@ contains
       call value_error(option, "'"//text//"' is none of auto, text, csv, npy, f32, f64, i8, "// &
          "i16, i32, i64, u8, u16, u32, which may have le or be behind them"//near, error)
    end subroutine check_format
-
-   subroutine check_units(option, text, error)
-      type(option_type), intent(in) :: option
-      character(*), intent(in) :: text
-      type(error_type), allocatable, intent(out) :: error
-      type(error_type), allocatable :: unknown
-      type(unit_type), allocatable :: unit(:)
-
-      call parse_units(text, unit, unknown)
-      if (allocated(unknown)) call value_error(option, unknown%message, error)
-   end subroutine check_units
 
    subroutine set_method(pipeline, option, value, error)
       type(pipeline_options), intent(inout) :: pipeline
@@ -224,7 +216,6 @@ contains
       type(option_type), intent(in) :: option
       type(value_type), intent(in) :: value
       type(error_type), allocatable, intent(out) :: error
-      integer :: i
 
       select case (option%name)
       case ("--config", "--write-config")                 ! of the words as a whole, see app/cli.f90
@@ -236,8 +227,8 @@ contains
             "' is more than the 17 digits that a number has", error)
       case ("--series-format"); config%series%form = value%text
       case ("--threads"); config%threads = int(value%count)
-      case ("--json", "--kalibr"); i = findloc(file_options == option%name, .true., dim=1)
-         config%file(i)%text = value%text
+      case ("--json"); config%file(1)%text = value%text
+      case ("--kalibr"); config%file(2)%text = value%text
       case ("--out"); config%out = value%text
       case ("--output"); config%output = value%text
       case ("--truth"); config%truth = value%text

@@ -67,7 +67,9 @@ contains
       do while (i <= size(arguments))
          associate (word => arguments(i)%text)
             if (only_words .or. word == "-" .or. len(word) == 0 .or. index(word, "-") /= 1) then
-               call add_word(words, word, only_words)
+               words%positional = words%positional + 1
+               words%word(words%positional)%text = word
+               if (words%positional == 1) words%behind_dashes = only_words
             else if (word == "--") then
                only_words = .true.
             else
@@ -78,16 +80,6 @@ contains
          i = i + 1
       end do
    end subroutine sort_words
-
-   subroutine add_word(words, word, behind_dashes)
-      type(words_type), intent(inout) :: words
-      character(*), intent(in) :: word
-      logical, intent(in) :: behind_dashes
-
-      words%positional = words%positional + 1
-      words%word(words%positional)%text = word
-      if (words%positional == 1) words%behind_dashes = behind_dashes
-   end subroutine add_word
 
    !> The option at word i, with its value, which may be the next word: then i is moved on. A number
    !> may be negative, "-" is standard input or output.
@@ -160,12 +152,8 @@ contains
       type(words_type), intent(in) :: words
       !> With its dashes
       character(*), intent(in) :: name
-      integer :: i
 
-      is_given = .false.
-      do i = 1, words%used
-         if (options(words%given(i)%row)%name == name) is_given = .true.
-      end do
+      is_given = any(options(words%given(:words%used)%row)%name == name)
    end function is_given
 
    !> The last value that an option was given, "" where it was not.

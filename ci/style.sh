@@ -59,7 +59,7 @@ files 'src/*.f90' 'app/*.f90' | each awk '
 
 # to the compiler a module and a C function are of one name space: gfortran calls the wrong one
 comm -12 <(files 'src/*.f90' | sed 's/^src\///; s/\.f90$//; s/\//_/g' | sort -u) \
-  <(files 'src/*.f90' | each sed -nE 's/.*bind *\(C, *name *= *"([^"]*)".*/\1/p' | sort -u) |
+  <(files 'src/*.f90' | each sed -nE 's/.*bind *\(C, *name *= *"([^"]*)".*/\1/p; s/.*(function|subroutine) +(gyroakf_[a-z0-9_]+) *\(.*/\2/p' | sort -u) |
   rule "no C function has the name of a module"
 
 files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'example/*.f90' | each awk '

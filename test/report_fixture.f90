@@ -152,7 +152,6 @@ contains
       channel%drift_process%walk = [.false., .true.]
       channel%drift_process%slow = [.false., .true.]
       channel%drift_process%phi = [0.41_dp, 1.0_dp]
-      channel%drift_process(1)%phi_error = 0.02_dp
       channel%drift_process(1)%time = 0.2243_dp
       channel%drift_process(1)%time_error = 0.012_dp
       channel%drift_process%std = [0.0219_dp, 1.0e-5_dp]

@@ -5,8 +5,9 @@
 module test_normality
    use gyroakf_kinds, only : dp, int64, int8
    use gyroakf_error, only : status
+   use gyroakf_pipeline_channel_job, only : job_type
    use gyroakf_pipeline_channel_tests, only : find_step, run_distribution
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options
+   use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_stats_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &
       & kurtosis_error, judge_normality
@@ -161,18 +162,19 @@ contains
 
    !> The verdict of the pipeline, with so many samples of the Anderson-Darling test.
    subroutine check_verdict(x, most_samples, expected)
-      real(dp), intent(in), contiguous :: x(:)
+      real(dp), intent(in), contiguous, target :: x(:)
       integer(int64), intent(in) :: most_samples
       character(*), intent(in) :: expected
-      type(pipeline_options) :: options
+      type(job_type) :: job
       type(channel_result_type) :: channel
 
-      options%anderson_darling%most_samples = most_samples
+      job%options%anderson_darling%most_samples = most_samples
+      job%x => x
       call compute_moments(x, channel%cleaned)
       call test_jarque_bera(channel%cleaned, channel%jarque_bera, problem)
       channel%available%jarque_bera = .not. allocated(problem)
-      call find_step(x, channel, problem)
-      if (.not. allocated(problem)) call run_distribution(x, options, channel, problem)
+      call find_step(job, channel, problem)
+      if (.not. allocated(problem)) call run_distribution(x, job, channel, problem)
       if (went_wrong(problem)) return
       call check(error, channel%anderson_darling%p_value < 1.0e-20_dp, "normal by Anderson-Darling")
       call check(error, trim(channel%normality), expected)

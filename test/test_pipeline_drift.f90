@@ -94,7 +94,6 @@ contains
       call check(error, run(record, result), "the job fails")
       associate (c => result%channel(1))
          call check(error, c%kf_figures%variance_ratio, c%kf%variance/c%cleaned%variance, thr=1.0e-14_dp, rel=.true.)
-         call check(error, c%akf_figures%raw_variance_ratio, c%akf%variance/c%raw%variance, thr=1.0e-14_dp, rel=.true.)
          if (unmet(c%drift%found .and. size(c%drift_process) == 1, "one process")) return
          call check(error, .not. c%drift_process(1)%walk, "a correlated process")
          call check(error, c%drift_process(1)%time, -0.1_dp/log(c%drift%model%phi(1)), thr=1.0e-14_dp, rel=.true.)

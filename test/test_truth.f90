@@ -73,7 +73,6 @@ contains
             call same(c%drift_smoother_figures%rmse, c%series_drift, present)
             call check(error, c%drift_smoother_figures%rmse < 0.95_dp*c%drift_kf_figures%rmse)
             call check(error, c%drift_kf_figures%rmse < c%kf_figures%rmse)
-            call check(error, .not. (allocated(c%true_drift) .or. allocated(c%true_drift_present)))
          end associate
          if (allocated(error)) return
       end do

@@ -11,25 +11,21 @@
 !> from the record itself. Results do not depend on the number of threads.
 module gyroakf_pipeline
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_record, only : record_type, view_channel
+   use gyroakf_record, only : record_type, unit_of
    use gyroakf_io_place, only : integer_text
-   use gyroakf_pipeline_result, only : allan_result_type, available_type, channel_result_type, &
-      drift_process_type, filter_figures_type, new_channels, pipeline_options, &
-      pipeline_result_type, stage, stage_names, stated_coefficient_type, stated_noise_type, &
-      stated_read_off_type
+   use gyroakf_io_reader, only : reader_options
+   use gyroakf_pipeline_result, only : channel_result_type, new_channels, pipeline_options, &
+      pipeline_result_type, stage
    use gyroakf_pipeline_channel, only : run_channel
-   use gyroakf_pipeline_channel_periodicity, only : longest_part, longest_segment
-   use gyroakf_pipeline_channel_progress, only : channel_progress_type
+   use gyroakf_pipeline_channel_job, only : channel_progress_type, job_type
+   use gyroakf_pipeline_channel_tests, only : longest_part, longest_segment
    use gyroakf_pipeline_truth, only : check_truth, take_truth
    use gyroakf_pipeline_warnings, only : note_error
    implicit none (type, external)
    private
-   public :: pipeline_options, pipeline_result_type, channel_result_type, available_type
-   public :: allan_result_type, stated_noise_type, stated_coefficient_type, stated_read_off_type
-   public :: filter_figures_type, drift_process_type, stage, stage_names
-   public :: check_truth
+   public :: pipeline_options, pipeline_result_type, channel_result_type, stage, check_truth
    public :: apply_preset, run_pipeline, estimate_memory, minimum_samples
 
    !> A shorter record is an error
@@ -82,40 +78,42 @@ contains
 
    !> Estimates the bytes per sample beside the record itself: for the channel being processed, for
    !> every channel, and for so many samples of it at most.
-   pure subroutine estimate_memory(options, work_bytes, channel_bytes, part_bytes, part_samples)
+   pure subroutine estimate_memory(options, reader)
       !> What to do
       type(pipeline_options), intent(in) :: options
-      !> As `reader_options` has them
-      integer(int64), intent(out) :: work_bytes, channel_bytes, part_bytes, part_samples
+      !> `work_bytes`, `channel_bytes`, `part_bytes` and `part_samples` are set
+      type(reader_options), intent(inout) :: reader
 
-      part_bytes = 0
-      part_samples = longest_part
+      reader%part_bytes = 0
+      reader%part_samples = longest_part
       if (options%do_tests .and. options%welch_segment > 0.0_dp) then
-         part_bytes = 112             ! of a segment: window, transforms, sums, densities
-         part_samples = longest_segment
+         reader%part_bytes = 112      ! of a segment: window, transforms, sums, densities
+         reader%part_samples = longest_segment
       else if (options%do_tests .and. .not. options%do_allan) then
-         part_bytes = 12              ! periodogram: beside what the program itself is allowed
+         reader%part_bytes = 12       ! periodogram: beside what the program itself is allowed
       end if
-      ! not at the same time: residuals of the AR model; integral and count of missing samples of
-      ! the Allan deviation; white noise of each sample, for the smoother
-      work_bytes = 0
-      if (options%do_filter) work_bytes = 8
-      if (options%do_allan) work_bytes = 12
-      if ((options%do_ar .or. options%do_filter) .and. options%ar%method == "burg") work_bytes = 16
-      if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
-         work_bytes = work_bytes + 9                       ! the cleaned series, its marks
-      else if (options%do_filter) then
-         work_bytes = work_bytes + 8                       ! the series without its mean
-      end if
-      if (options%do_filter) work_bytes = work_bytes + 8   ! the filtered series
-      channel_bytes = 0
-      if (options%keep_series) channel_bytes = 57          ! seven series, marks of the cleaned one
+      associate (work => reader%work_bytes)
+         ! not at the same time: residuals of the AR model; integral and count of missing samples of
+         ! the Allan deviation; white noise of each sample, for the smoother
+         work = 0
+         if (options%do_filter) work = 8
+         if (options%do_allan) work = 12
+         if ((options%do_ar .or. options%do_filter) .and. options%ar%method == "burg") work = 16
+         if (options%clean%degree >= 0 .or. options%clean%method /= "none") then
+            work = work + 9                                ! the cleaned series, its marks
+         else if (options%do_filter) then
+            work = work + 8                                ! the series without its mean
+         end if
+         if (options%do_filter) work = work + 8            ! the filtered series
+      end associate
+      reader%channel_bytes = 0
+      if (options%keep_series) reader%channel_bytes = 57   ! seven series, marks of the cleaned one
    end subroutine estimate_memory
 
    !> Does the whole job for every channel of a record.
    subroutine run_pipeline(record, options, result, error, progress, truth)
       !> As `read_record` or `simulate_record` made it; not modified
-      type(record_type), intent(in) :: record
+      type(record_type), intent(in), target :: record
       !> What to do; the defaults are those of the program
       type(pipeline_options), intent(in) :: options
       !> One entry per channel
@@ -129,8 +127,9 @@ contains
       class(progress_type), intent(inout), optional, target :: progress
       !> The true drift on the same grid, as `simulate_record` gives it: every filter gets its RMSE
       !> against it
-      type(record_type), intent(in), optional :: truth
-      type(channel_progress_type) :: named
+      type(record_type), intent(in), optional, target :: truth
+      type(channel_progress_type), target :: named
+      type(job_type) :: job
       type(error_type), allocatable :: first
       integer :: channel, channels, failures, stat
 
@@ -148,29 +147,31 @@ contains
       result%duration = real(size(record%value, 1, kind=int64), dp)*record%sample_interval
       channels = size(record%value, 2)
       call new_channels(result, channels, stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the results of the channels")
-         return
+      call check_memory(stat, "the results of the channels", error)
+      if (allocated(error)) return
+      job%options = options
+      job%step = record%sample_interval
+      job%rate_known = record%rate_known
+      if (present(progress)) job%progress => progress
+      if (present(progress) .and. channels > 1) then
+         named%listener => progress
+         job%progress => named
       end if
       failures = 0
       do channel = 1, channels
          result%channel(channel)%name = "channel"
          if (allocated(record%channel)) result%channel(channel)%name = record%channel(channel)%text
-         if (present(truth) .and. options%do_filter) call take_truth(truth, record, channel, &
-            result%channel(channel), error)
-         if (allocated(error)) return
-         if (present(progress) .and. channels > 1) then
-            named%listener => progress
-            named%name = result%channel(channel)%name
-            call run_one(record, channel, options, result%channel(channel), error, named)
-         else
-            call run_one(record, channel, options, result%channel(channel), error, progress)
-         end if
+         named%name = result%channel(channel)%name
+         job%unit = unit_of(record, channel)
+         if (present(truth) .and. options%do_filter) call take_truth(truth, channel, job)
+         job%x => record%value(:, channel)
+         if (allocated(record%present)) job%recorded => record%present(:, channel)
+         call run_channel(job, result%channel(channel), error)
          if (allocated(error)) then
             if (all(error%code /= of_channel)) return
             failures = failures + 1
             if (failures == 1) first = error
-            call note_error(result%channel(channel), "the rest of the analysis", error)
+            call note_error(result%channel(channel)%unavailable, "the rest of the analysis", error)
             if (options%keep_series) call keep_input(record, channel, result%channel(channel))
          end if
       end do
@@ -180,7 +181,6 @@ contains
    !> What is written as series where a channel could not be done to the end: its samples.
    subroutine keep_input(record, channel, result)
       type(record_type), intent(in) :: record
-      !> Its number
       integer, intent(in) :: channel
       type(channel_result_type), intent(inout) :: result
 
@@ -188,25 +188,5 @@ contains
       if (allocated(result%series_present) .or. .not. allocated(record%present)) return
       result%series_present = record%present(:, channel)
    end subroutine keep_input
-
-   !> One channel of a record.
-   subroutine run_one(record, channel, options, result, error, progress)
-      type(record_type), intent(in) :: record
-      !> Its number
-      integer, intent(in) :: channel
-      type(pipeline_options), intent(in) :: options
-      type(channel_result_type), intent(inout) :: result
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-      type(record_type) :: view
-
-      call view_channel(record, channel, view)
-      if (allocated(record%present)) then
-         call run_channel(view, record%value(:, channel), options, result, error, &
-                          record%present(:, channel), progress)
-      else
-         call run_channel(view, record%value(:, channel), options, result, error, progress=progress)
-      end if
-   end subroutine run_one
 
 end module gyroakf_pipeline

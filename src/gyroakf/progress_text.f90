@@ -30,8 +30,7 @@ contains
       real(dp), intent(in) :: seconds
       !> Of the terminal, in characters; the bar is left out below 60, the rest is cut
       integer, intent(in) :: width
-      character(:), allocatable :: line
-      character(:), allocatable :: unit
+      character(:), allocatable :: line, unit
       character(60) :: numbers
       real(dp) :: rate, share
       integer :: filled

@@ -7,33 +7,31 @@ module gyroakf_record
    use gyroakf_units, only : unit_type
    implicit none (type, external)
    private
-   public :: record_type, audit_type, column_type, text_type, add_text, sample_count, view_channel
+   public :: record_type, audit_type, column_type, text_type, add_text, sample_count, unit_of, &
+      view_channel
 
    !> A string of its own length, for lists
    type :: text_type
       character(:), allocatable :: text
       !> In a list of warnings: a note states what was done; a warning, what can make a number wrong
       logical :: note = .false.
+      !> In a list of failures: the status of the error
+      integer :: code = 0
    end type text_type
 
    !> What was found while reading
    type :: audit_type
-      !> Samples per channel, missing ones included
-      integer(int64) :: samples = 0
-      !> Samples that are missing, summed over the channels
-      integer(int64) :: missing = 0
-      !> Places where the stamps show that samples were lost for good
-      integer(int64) :: gaps = 0
-      !> Those of them that are too long to be filled with missing samples
-      integer(int64) :: jumps = 0
+      !> Samples per channel, missing ones included; those that are missing, summed over the channels
+      integer(int64) :: samples = 0, missing = 0
+      !> Places where the stamps show that samples were lost for good; those of them that are too
+      !> long to be filled with missing samples
+      integer(int64) :: gaps = 0, jumps = 0
       !> Double steps at even distances, no gaps: losses or the beat of a coarse clock
       integer(int64) :: beats = 0
       !> A rate that explains the stamps as well as `stamp_rate`, by losses or beats, Hz; 0: none
       real(dp) :: other_rate = 0.0_dp
-      !> Stamps equal to the one before
-      integer(int64) :: duplicates = 0
-      !> Stamps smaller than the one before
-      integer(int64) :: backward_steps = 0
+      !> Stamps equal to the one before; smaller than it
+      integer(int64) :: duplicates = 0, backward_steps = 0
       !> Lines that could not be read and were marked missing
       integer(int64) :: bad_lines = 0
       !> True where the file has a time column
@@ -142,6 +140,7 @@ contains
       do i = 1, n
          call move_alloc(list(i)%text, longer(i)%text)
          longer(i)%note = list(i)%note
+         longer(i)%code = list(i)%code
       end do
       longer(n + 1)%text = text
       if (present(note)) longer(n + 1)%note = note
@@ -156,6 +155,16 @@ contains
       sample_count = record%audit%samples
       if (allocated(record%value)) sample_count = size(record%value, 1, kind=int64)
    end function sample_count
+
+   !> Unit of a channel.
+   pure type(unit_type) function unit_of(record, channel)
+      type(record_type), intent(in) :: record
+      !> From 1
+      integer, intent(in) :: channel
+
+      unit_of = record%unit
+      if (allocated(record%channel_unit)) unit_of = record%channel_unit(channel)
+   end function unit_of
 
    !> One channel's record without its samples: rate, source and the unit that is the channel's.
    pure subroutine view_channel(record, channel, view)
@@ -173,8 +182,7 @@ contains
       if (allocated(record%unit_source)) view%unit_source = record%unit_source
       view%sample_interval = record%sample_interval
       view%rate_known = record%rate_known
-      view%unit = record%unit
-      if (allocated(record%channel_unit)) view%unit = record%channel_unit(channel)
+      view%unit = unit_of(record, channel)
    end subroutine view_channel
 
 end module gyroakf_record

@@ -4,12 +4,12 @@
 module gyroakf_c_api_c_design
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : check_sample_interval, fatal_error, status
+   use gyroakf_error, only : check_memory, check_sample_interval, fatal_error, status
    use gyroakf_filter_kalman, only : filter_type
    use gyroakf_pipeline, only : minimum_samples
    use gyroakf_pipeline_channel, only : run_channel
+   use gyroakf_pipeline_channel_job, only : job_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, new_channels
-   use gyroakf_record, only : record_type
    use gyroakf_c_api_c_filter, only : new_handle, hand_over
    use gyroakf_c_api_c_run, only : run_options_c, read_options
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
@@ -23,9 +23,7 @@ module gyroakf_c_api_c_design
 
 contains
 
-   !> `gyroakf_filter_identify`
-   integer(c_int) function gyroakf_filter_identify(kind, x, n, dt, opt, out, mean, err) &
-      & bind(C, name="gyroakf_filter_identify")
+   integer(c_int) function gyroakf_filter_identify(kind, x, n, dt, opt, out, mean, err) bind(C)
       type(c_ptr), intent(in), value :: kind, x
       integer(c_int64_t), intent(in), value :: n
       real(c_double), intent(in), value :: dt
@@ -33,7 +31,7 @@ contains
       type(c_ptr), intent(out), optional :: out
       real(c_double), intent(inout), optional :: mean
       type(error_c), intent(out), optional :: err
-      type(call_type) :: c
+      type(call_type), target :: c
       type(pipeline_options) :: options
       type(filter_type), pointer :: handle
       real(dp) :: level
@@ -57,39 +55,41 @@ contains
 
    !> The analysis of the series as far as the filter takes it.
    subroutine design(c, dt, options, handle, mean)
-      type(call_type), intent(inout) :: c
+      type(call_type), intent(inout), target :: c
       real(dp), intent(in) :: dt
-      type(pipeline_options), intent(inout) :: options
+      type(pipeline_options), intent(in) :: options
       type(filter_type), intent(inout) :: handle
       real(dp), intent(out) :: mean
-      type(record_type) :: record
+      type(job_type) :: job
       type(pipeline_result_type) :: result
       integer :: stat
 
       mean = 0
-      options%do_tests = .false.
-      options%do_allan = .false.
-      options%do_filter = .true.
-      record%sample_interval = dt
-      record%rate_known = .true.
+      job%options = options
+      job%options%do_tests = .false.
+      job%options%do_allan = .false.
+      job%options%do_filter = .true.
+      job%step = dt
+      job%rate_known = .true.
+      job%x => c%x
+      if (allocated(c%valid)) job%recorded => c%valid
+      job%progress => c%callback
       if (size(c%x, kind=int64) < minimum_samples) then
          call fatal_error(c%error, status%too_few_samples, "10 samples at least are needed")
          return
       end if
       call new_channels(result, 1, stat)
-      if (stat /= 0) then
-         call fatal_error(c%error, status%no_memory, "no memory for the analysis of the series")
-         return
-      end if
+      call check_memory(stat, "the analysis of the series", c%error)
+      if (allocated(c%error)) return
       associate (channel => result%channel(1))
          channel%name = "the series"
-         call run_channel(record, c%x, options, channel, c%error, c%valid, c%callback)
+         call run_channel(job, channel, c%error)
          if (allocated(c%error)) return
          if (allocated(channel%designed)) then
             handle = channel%designed
             mean = channel%designed_mean
-         else if (channel%first_failure /= status%ok) then
-            call fatal_error(c%error, channel%first_failure, channel%unavailable(1)%text)
+         else if (allocated(channel%unavailable)) then
+            call fatal_error(c%error, channel%unavailable(1)%code, channel%unavailable(1)%text)
          else
             call fatal_error(c%error, status%invalid_argument, &
                & "the series has no drift that a filter could follow")

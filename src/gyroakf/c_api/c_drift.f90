@@ -12,10 +12,9 @@ module gyroakf_c_api_c_drift
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_c_api_c_filter, only : filter_options_c, new_handle, hand_over, read_options
-   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_host, only : check_aligned, check_apart, progress_c
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_struct_size, check_place, check_finite, open_options, open_series
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_drift_model_init, gyroakf_drift_options_init, gyroakf_drift_identify, &
@@ -39,24 +38,20 @@ module gyroakf_c_api_c_drift
 
 contains
 
-   !> `gyroakf_drift_model_init`
-   subroutine gyroakf_drift_model_init(model) bind(C, name="gyroakf_drift_model_init")
+   subroutine gyroakf_drift_model_init(model) bind(C)
       type(drift_model_c), intent(out), optional :: model
 
       if (present(model)) model = drift_model_c(c_sizeof(model))
    end subroutine gyroakf_drift_model_init
 
-   !> `gyroakf_drift_options_init`
-   subroutine gyroakf_drift_options_init(opt) bind(C, name="gyroakf_drift_options_init")
+   subroutine gyroakf_drift_options_init(opt) bind(C)
       type(drift_options_c), intent(out), optional :: opt
       type(drift_identification_options) :: defaults
 
       if (present(opt)) opt = drift_options_c(c_sizeof(opt), defaults%drift_samples, defaults%most)
    end subroutine gyroakf_drift_options_init
 
-   !> `gyroakf_drift_identify`
-   integer(c_int) function gyroakf_drift_identify(z, n, opt, model, err) &
-      & bind(C, name="gyroakf_drift_identify")
+   integer(c_int) function gyroakf_drift_identify(z, n, opt, model, err) bind(C)
       type(c_ptr), intent(in), value :: z
       integer(c_int64_t), intent(in), value :: n
       type(drift_options_c), intent(in), optional :: opt
@@ -81,9 +76,7 @@ contains
       gyroakf_drift_identify = leave_library(c, err)
    end function gyroakf_drift_identify
 
-   !> `gyroakf_drift_filter_new`
-   integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) &
-      & bind(C, name="gyroakf_drift_filter_new")
+   integer(c_int) function gyroakf_drift_filter_new(model, opt, out, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(filter_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
@@ -104,9 +97,7 @@ contains
       gyroakf_drift_filter_new = leave_library(c, err)
    end function gyroakf_drift_filter_new
 
-   !> `gyroakf_drift_smooth`
-   integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) &
-      & bind(C, name="gyroakf_drift_smooth")
+   integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(c_ptr), intent(in), value :: z, drift, variance
       integer(c_int64_t), intent(in), value :: n
@@ -117,9 +108,8 @@ contains
          & c_null_funptr, c_null_ptr, err)
    end function gyroakf_drift_smooth
 
-   !> `gyroakf_drift_smooth_watched`
    integer(c_int) function gyroakf_drift_smooth_watched(model, z, n, drift, variance, opt, &
-      & progress, progress_user, err) bind(C, name="gyroakf_drift_smooth_watched")
+      & progress, progress_user, err) bind(C)
       type(drift_model_c), intent(in), optional :: model
       type(c_ptr), intent(in), value :: z, drift, variance
       integer(c_int64_t), intent(in), value :: n

@@ -5,14 +5,13 @@ module gyroakf_c_api_c_filter
       & c_double, c_size_t, c_null_ptr, c_null_funptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
       & run_filter, freeze_filter
    use gyroakf_progress, only : report_progress
-   use gyroakf_c_api_c_host, only : begin_step, end_step
+   use gyroakf_c_api_c_host, only : check_aligned, check_apart, begin_step, end_step
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_struct_size, check_place, check_finite, take_text, max_samples
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, &
@@ -50,8 +49,7 @@ module gyroakf_c_api_c_filter
 
 contains
 
-   !> `gyroakf_filter_options_init`
-   subroutine gyroakf_filter_options_init(opt) bind(C, name="gyroakf_filter_options_init")
+   subroutine gyroakf_filter_options_init(opt) bind(C)
       type(filter_options_c), intent(out), optional :: opt
       type(filter_options) :: defaults
 
@@ -62,9 +60,7 @@ contains
          & r_upper=defaults%r_upper)
    end subroutine gyroakf_filter_options_init
 
-   !> `gyroakf_filter_new`
-   integer(c_int) function gyroakf_filter_new(p, phi, q, r, opt, out, err) &
-      & bind(C, name="gyroakf_filter_new")
+   integer(c_int) function gyroakf_filter_new(p, phi, q, r, opt, out, err) bind(C)
       integer(c_int32_t), intent(in), value :: p
       type(c_ptr), intent(in), value :: phi
       real(c_double), intent(in), value :: q, r
@@ -85,8 +81,7 @@ contains
       gyroakf_filter_new = leave_library(c, err)
    end function gyroakf_filter_new
 
-   !> `gyroakf_filter_step`
-   integer(c_int) function gyroakf_filter_step(f, z, x) bind(C, name="gyroakf_filter_step")
+   integer(c_int) function gyroakf_filter_step(f, z, x) bind(C)
       type(c_ptr), intent(in), value :: f
       real(c_double), intent(in), value :: z
       real(c_double), intent(inout), optional :: x
@@ -108,8 +103,7 @@ contains
       if (changed /= 0) call end_step(environment)
    end function gyroakf_filter_step
 
-   !> `gyroakf_filter_freeze`
-   integer(c_int) function gyroakf_filter_freeze(f, frozen) bind(C, name="gyroakf_filter_freeze")
+   integer(c_int) function gyroakf_filter_freeze(f, frozen) bind(C)
       type(c_ptr), intent(in), value :: f
       integer(c_int32_t), intent(in), value :: frozen
       type(filter_type), pointer :: filter
@@ -121,8 +115,7 @@ contains
       gyroakf_filter_freeze = status%ok
    end function gyroakf_filter_freeze
 
-   !> `gyroakf_filter_run`
-   integer(c_int) function gyroakf_filter_run(f, z, n, x, err) bind(C, name="gyroakf_filter_run")
+   integer(c_int) function gyroakf_filter_run(f, z, n, x, err) bind(C)
       type(c_ptr), intent(in), value :: f, z, x
       integer(c_int64_t), intent(in), value :: n
       type(error_c), intent(out), optional :: err
@@ -130,9 +123,8 @@ contains
       gyroakf_filter_run = gyroakf_filter_run_watched(f, z, n, x, c_null_funptr, c_null_ptr, err)
    end function gyroakf_filter_run
 
-   !> `gyroakf_filter_run_watched`
-   integer(c_int) function gyroakf_filter_run_watched(f, z, n, x, progress, progress_user, err) &
-      & bind(C, name="gyroakf_filter_run_watched")
+   integer(c_int) function gyroakf_filter_run_watched(f, z, n, x, progress, progress_user, &
+      & err) bind(C)
       type(c_ptr), intent(in), value :: f, z, x
       integer(c_int64_t), intent(in), value :: n
       type(c_funptr), intent(in), value :: progress
@@ -155,8 +147,7 @@ contains
       gyroakf_filter_run_watched = leave_library(c, err)
    end function gyroakf_filter_run_watched
 
-   !> `gyroakf_filter_get`
-   integer(c_int) function gyroakf_filter_get(f, out) bind(C, name="gyroakf_filter_get")
+   integer(c_int) function gyroakf_filter_get(f, out) bind(C)
       type(c_ptr), intent(in), value :: f
       type(filter_state_c), intent(inout), optional :: out
       type(filter_type), pointer :: filter
@@ -176,8 +167,7 @@ contains
       gyroakf_filter_get = leave_library(c)
    end function gyroakf_filter_get
 
-   !> `gyroakf_filter_free`
-   subroutine gyroakf_filter_free(f) bind(C, name="gyroakf_filter_free")
+   subroutine gyroakf_filter_free(f) bind(C)
       type(c_ptr), intent(in), value :: f
       type(filter_type), pointer :: filter
 
@@ -197,7 +187,7 @@ contains
       call check_place(present(out), "result (out)", error)
       stat = 0
       if (.not. allocated(error)) allocate (handle, stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a filter")
+      call check_memory(stat, "a filter", error)
    end subroutine new_handle
 
    !> The handle to the caller; nothing after an error.
@@ -239,25 +229,17 @@ contains
       !> An earlier error stays
       type(error_type), allocatable, intent(inout) :: error
       type(filter_options_c), intent(in), optional :: opt
+      character(len(options%measurement_form)) :: form
 
       if (.not. present(opt)) return
       call check_struct_size(opt%struct_size, c_sizeof(opt), error)
       if (allocated(error)) return
-      options%estimate_process_mean = opt%estimate_process_mean /= 0
-      options%estimate_measurement_mean = opt%estimate_measurement_mean /= 0
-      options%estimate_process_variance = opt%estimate_process_variance /= 0
-      options%estimate_measurement_variance = opt%estimate_measurement_variance /= 0
-      options%forgetting = opt%forgetting
-      call take_text(opt%measurement_form, options%measurement_form, error)
-      options%burn_in = opt%burn_in
-      options%huber = opt%huber
-      options%r_scale = opt%r_scale
-      options%initial_variance = opt%initial_variance
-      options%q_lower = opt%q_lower
-      options%q_upper = opt%q_upper
-      options%r_lower = opt%r_lower
-      options%r_upper = opt%r_upper
-      options%allow_unobservable = opt%allow_unobservable /= 0
+      form = options%measurement_form
+      call take_text(opt%measurement_form, form, error)
+      options = filter_options(opt%estimate_process_mean /= 0, opt%estimate_measurement_mean /= 0, &
+         & opt%estimate_process_variance /= 0, opt%estimate_measurement_variance /= 0, &
+         & opt%forgetting, form, opt%burn_in, opt%huber, opt%r_scale, opt%initial_variance, &
+         & opt%q_lower, opt%q_upper, opt%r_lower, opt%r_upper, opt%allow_unobservable /= 0)
    end subroutine read_options
 
    !> The whole series, block by block: a block is read before its results are written.
@@ -265,7 +247,6 @@ contains
       type(filter_type), intent(inout) :: filter
       type(c_ptr), intent(in) :: z, x
       integer(int64), intent(in) :: n
-      !> Its error: cancelled, non_finite
       type(call_type), intent(inout) :: c
       real(c_double), pointer, contiguous :: input(:), output(:)
       real(dp) :: raw(block), filtered(block)

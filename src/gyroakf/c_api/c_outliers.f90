@@ -7,10 +7,9 @@ module gyroakf_c_api_c_outliers
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
-   use gyroakf_c_api_c_host, only : progress_c
+   use gyroakf_c_api_c_host, only : check_aligned, check_apart, progress_c
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_place, check_finite, open_options, open_series, take_text
-   use gyroakf_c_api_c_places, only : check_aligned, check_apart
    implicit none (type, external)
    private
    public :: gyroakf_outlier_options_init, gyroakf_mark_outliers, gyroakf_clean
@@ -34,8 +33,7 @@ module gyroakf_c_api_c_outliers
 
 contains
 
-   !> `gyroakf_outlier_options_init`
-   subroutine gyroakf_outlier_options_init(opt) bind(C, name="gyroakf_outlier_options_init")
+   subroutine gyroakf_outlier_options_init(opt) bind(C)
       type(outlier_options_c), intent(out), optional :: opt
       type(clean_options) :: defaults
 
@@ -44,9 +42,7 @@ contains
          & half_width=int(defaults%half_width, c_int32_t))
    end subroutine gyroakf_outlier_options_init
 
-   !> `gyroakf_mark_outliers`
-   integer(c_int) function gyroakf_mark_outliers(x, n, opt, inlier, out, err) &
-      & bind(C, name="gyroakf_mark_outliers")
+   integer(c_int) function gyroakf_mark_outliers(x, n, opt, inlier, out, err) bind(C)
       type(c_ptr), intent(in), value :: x, inlier
       integer(c_int64_t), intent(in), value :: n
       type(outlier_options_c), intent(in), optional :: opt
@@ -68,8 +64,7 @@ contains
       gyroakf_mark_outliers = leave_library(c, err)
    end function gyroakf_mark_outliers
 
-   !> `gyroakf_clean`
-   integer(c_int) function gyroakf_clean(x, n, opt, cleaned, out, err) bind(C, name="gyroakf_clean")
+   integer(c_int) function gyroakf_clean(x, n, opt, cleaned, out, err) bind(C)
       type(c_ptr), intent(in), value :: x, cleaned
       integer(c_int64_t), intent(in), value :: n
       type(outlier_options_c), intent(in), optional :: opt

@@ -5,9 +5,10 @@ module gyroakf_c_api_c_record
       & c_size_t, c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use gyroakf_error, only : status
    use gyroakf_io_reader, only : read_record, reader_options
+   use gyroakf_record, only : unit_of
    use gyroakf_units, only : unit_type
    use gyroakf_c_api_c_host, only : progress_c
-   use gyroakf_c_api_c_recording, only : record_handle, new_handle, hand_over, unit_of
+   use gyroakf_c_api_c_recording, only : record_handle, new_handle, hand_over
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & copy_c_text, max_samples, open_options
    implicit none (type, external)
@@ -45,8 +46,7 @@ module gyroakf_c_api_c_record
 
 contains
 
-   !> `gyroakf_reader_options_init`
-   subroutine gyroakf_reader_options_init(opt) bind(C, name="gyroakf_reader_options_init")
+   subroutine gyroakf_reader_options_init(opt) bind(C)
       type(reader_options_c), intent(out), optional :: opt
       type(reader_options) :: defaults
 
@@ -54,9 +54,7 @@ contains
          & rate_hz=defaults%rate_hz, from=defaults%from, to=defaults%to, memory=defaults%memory)
    end subroutine gyroakf_reader_options_init
 
-   !> `gyroakf_record_read`
-   integer(c_int) function gyroakf_record_read(path, opt, out, err) &
-      & bind(C, name="gyroakf_record_read")
+   integer(c_int) function gyroakf_record_read(path, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: path
       type(reader_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
@@ -75,9 +73,7 @@ contains
       gyroakf_record_read = leave_library(c, err)
    end function gyroakf_record_read
 
-   !> `gyroakf_record_parse`
-   integer(c_int) function gyroakf_record_parse(bytes, n, opt, out, err) &
-      & bind(C, name="gyroakf_record_parse")
+   integer(c_int) function gyroakf_record_parse(bytes, n, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: bytes
       integer(c_int64_t), intent(in), value :: n
       type(reader_options_c), intent(in), optional :: opt
@@ -99,8 +95,7 @@ contains
       gyroakf_record_parse = leave_library(c, err)
    end function gyroakf_record_parse
 
-   !> `gyroakf_record_samples`
-   integer(c_int64_t) function gyroakf_record_samples(r) bind(C, name="gyroakf_record_samples")
+   integer(c_int64_t) function gyroakf_record_samples(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
 
@@ -109,8 +104,7 @@ contains
       if (associated(handle)) gyroakf_record_samples = size(handle%record%value, 1, c_int64_t)
    end function gyroakf_record_samples
 
-   !> `gyroakf_record_channels`
-   integer(c_int32_t) function gyroakf_record_channels(r) bind(C, name="gyroakf_record_channels")
+   integer(c_int32_t) function gyroakf_record_channels(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
 
@@ -119,40 +113,35 @@ contains
       if (associated(handle)) gyroakf_record_channels = size(handle%name)
    end function gyroakf_record_channels
 
-   !> `gyroakf_record_values`
-   type(c_ptr) function gyroakf_record_values(r, channel) bind(C, name="gyroakf_record_values")
+   type(c_ptr) function gyroakf_record_values(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
 
       gyroakf_record_values = part_of(r, "values", channel)
    end function gyroakf_record_values
 
-   !> `gyroakf_record_present`
-   type(c_ptr) function gyroakf_record_present(r, channel) bind(C, name="gyroakf_record_present")
+   type(c_ptr) function gyroakf_record_present(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
 
       gyroakf_record_present = part_of(r, "present", channel)
    end function gyroakf_record_present
 
-   !> `gyroakf_record_name`
-   type(c_ptr) function gyroakf_record_name(r, channel) bind(C, name="gyroakf_record_name")
+   type(c_ptr) function gyroakf_record_name(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
 
       gyroakf_record_name = part_of(r, "name", channel)
    end function gyroakf_record_name
 
-   !> `gyroakf_record_unit`
-   type(c_ptr) function gyroakf_record_unit(r, channel) bind(C, name="gyroakf_record_unit")
+   type(c_ptr) function gyroakf_record_unit(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
 
       gyroakf_record_unit = part_of(r, "unit", channel)
    end function gyroakf_record_unit
 
-   !> `gyroakf_record_to_si`
-   real(c_double) function gyroakf_record_to_si(r, channel) bind(C, name="gyroakf_record_to_si")
+   real(c_double) function gyroakf_record_to_si(r, channel) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: channel
       type(record_handle), pointer :: handle
@@ -161,13 +150,11 @@ contains
       gyroakf_record_to_si = 0
       if (channel < 0 .or. channel >= gyroakf_record_channels(r)) return
       call open_handle(r, handle)
-      call unit_of(handle%record, channel + 1, unit)
-      if (len(unit%name) > 0) gyroakf_record_to_si = unit%to_si
+      unit = unit_of(handle%record, channel + 1)
+      if (len(handle%unit(channel + 1)%text) > 1) gyroakf_record_to_si = unit%to_si
    end function gyroakf_record_to_si
 
-   !> `gyroakf_record_sample_interval`
-   real(c_double) function gyroakf_record_sample_interval(r) &
-      & bind(C, name="gyroakf_record_sample_interval")
+   real(c_double) function gyroakf_record_sample_interval(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
 
@@ -176,22 +163,19 @@ contains
       if (associated(handle)) gyroakf_record_sample_interval = handle%record%sample_interval
    end function gyroakf_record_sample_interval
 
-   !> `gyroakf_record_rate_source`
-   type(c_ptr) function gyroakf_record_rate_source(r) bind(C, name="gyroakf_record_rate_source")
+   type(c_ptr) function gyroakf_record_rate_source(r) bind(C)
       type(c_ptr), intent(in), value :: r
 
       gyroakf_record_rate_source = part_of(r, "rate_source")
    end function gyroakf_record_rate_source
 
-   !> `gyroakf_record_format`
-   type(c_ptr) function gyroakf_record_format(r) bind(C, name="gyroakf_record_format")
+   type(c_ptr) function gyroakf_record_format(r) bind(C)
       type(c_ptr), intent(in), value :: r
 
       gyroakf_record_format = part_of(r, "format")
    end function gyroakf_record_format
 
-   !> `gyroakf_record_warnings`
-   integer(c_int32_t) function gyroakf_record_warnings(r) bind(C, name="gyroakf_record_warnings")
+   integer(c_int32_t) function gyroakf_record_warnings(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
 
@@ -200,16 +184,14 @@ contains
       if (associated(handle)) gyroakf_record_warnings = size(handle%warning)
    end function gyroakf_record_warnings
 
-   !> `gyroakf_record_warning`
-   type(c_ptr) function gyroakf_record_warning(r, i) bind(C, name="gyroakf_record_warning")
+   type(c_ptr) function gyroakf_record_warning(r, i) bind(C)
       type(c_ptr), intent(in), value :: r
       integer(c_int32_t), intent(in), value :: i
 
       gyroakf_record_warning = part_of(r, "warning", i)
    end function gyroakf_record_warning
 
-   !> `gyroakf_record_audit`
-   integer(c_int) function gyroakf_record_audit(r, out) bind(C, name="gyroakf_record_audit")
+   integer(c_int) function gyroakf_record_audit(r, out) bind(C)
       type(c_ptr), intent(in), value :: r
       type(audit_c), intent(inout), optional :: out
       type(record_handle), pointer :: handle
@@ -228,8 +210,7 @@ contains
       gyroakf_record_audit = status%ok
    end function gyroakf_record_audit
 
-   !> `gyroakf_record_free`
-   subroutine gyroakf_record_free(r) bind(C, name="gyroakf_record_free")
+   subroutine gyroakf_record_free(r) bind(C)
       type(c_ptr), intent(in), value :: r
       type(record_handle), pointer :: handle
 

@@ -20,17 +20,17 @@ module gyroakf_c_api_c_release
 contains
 
    !> `int gyroakf_version(void)`
-   pure integer(c_int) function gyroakf_version() bind(C, name="gyroakf_version")
+   pure integer(c_int) function gyroakf_version() bind(C)
       gyroakf_version = release_number
    end function gyroakf_version
 
    !> `const char *gyroakf_version_string(void)`
-   type(c_ptr) function gyroakf_version_string() bind(C, name="gyroakf_version_string")
+   type(c_ptr) function gyroakf_version_string() bind(C)
       gyroakf_version_string = c_loc(release_text)
    end function gyroakf_version_string
 
    !> `const char *gyroakf_status_string(int status)`
-   type(c_ptr) function gyroakf_status_string(code) bind(C, name="gyroakf_status_string")
+   type(c_ptr) function gyroakf_status_string(code) bind(C)
       integer(c_int), intent(in), value :: code
 
       gyroakf_status_string = c_loc(unknown_text)

@@ -5,7 +5,7 @@ module gyroakf_c_api_c_run
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
       & c_size_t, c_null_char, c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
    use gyroakf_kinds, only : int8
-   use gyroakf_error, only : fatal_error, status
+   use gyroakf_error, only : check_memory, fatal_error, status
    use gyroakf_pipeline, only : run_pipeline, apply_preset
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type
    use gyroakf_record, only : record_type
@@ -51,15 +51,13 @@ module gyroakf_c_api_c_run
 
 contains
 
-   !> `gyroakf_run_options_init`
-   subroutine gyroakf_run_options_init(opt) bind(C, name="gyroakf_run_options_init")
+   subroutine gyroakf_run_options_init(opt) bind(C)
       type(run_options_c), intent(out), optional :: opt
 
       if (present(opt)) opt = run_options_c(c_sizeof(opt))
    end subroutine gyroakf_run_options_init
 
-   !> `gyroakf_run`
-   integer(c_int) function gyroakf_run(r, opt, out, err) bind(C, name="gyroakf_run")
+   integer(c_int) function gyroakf_run(r, opt, out, err) bind(C)
       type(c_ptr), intent(in), value :: r
       type(run_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
@@ -90,7 +88,6 @@ contains
       !> Its missing values are NaN
       type(record_type), intent(in) :: given
       type(pipeline_options), intent(in) :: options
-      !> Ends with NUL
       character(:), allocatable, intent(out) :: json
       type(call_type), intent(inout) :: c
       type(record_type), allocatable :: record
@@ -100,30 +97,25 @@ contains
 
       if (allocated(given%present)) then
          allocate (record, source=given, stat=stat)
-         if (stat /= 0) then
-            call fatal_error(c%error, status%no_memory, "no memory for a copy of the recording")
-            return
-         end if
+         call check_memory(stat, "a copy of the recording", c%error)
+         if (allocated(c%error)) return
          where (record%present == 0_int8) record%value = 0
          call run_pipeline(record, options, result, c%error, c%callback)
+         if (ok(c)) call put_document(document, record, result)
       else
          call run_pipeline(given, options, result, c%error, c%callback)
+         if (ok(c)) call put_document(document, given, result)
       end if
       if (allocated(c%error)) return
-      if (allocated(record)) call put_document(document, record, result)
-      if (.not. allocated(record)) call put_document(document, given, result)
       stat = merge(1, 0, document%failed)
       if (stat == 0) allocate (character(document%used + 1) :: json, stat=stat)
-      if (stat /= 0) then
-         call fatal_error(c%error, status%no_memory, "no memory for the text of the results")
-         return
-      end if
+      call check_memory(stat, "the text of the results", c%error)
+      if (allocated(c%error)) return
       json(:document%used) = document%buffer(:document%used)
       json(document%used + 1:) = c_null_char
    end subroutine run_record
 
-   !> `gyroakf_result_json`
-   type(c_ptr) function gyroakf_result_json(result) bind(C, name="gyroakf_result_json")
+   type(c_ptr) function gyroakf_result_json(result) bind(C)
       type(c_ptr), intent(in), value :: result
       type(result_handle), pointer :: handle
 
@@ -133,8 +125,7 @@ contains
       gyroakf_result_json = c_loc(handle%json)
    end function gyroakf_result_json
 
-   !> `gyroakf_result_free`
-   subroutine gyroakf_result_free(result) bind(C, name="gyroakf_result_free")
+   subroutine gyroakf_result_free(result) bind(C)
       type(c_ptr), intent(in), value :: result
       type(result_handle), pointer :: handle
 
@@ -164,8 +155,7 @@ contains
       options%do_allan = opt%allan /= 0
    end subroutine read_options
 
-   !> `gyroakf_simulate_options_init`
-   subroutine gyroakf_simulate_options_init(opt) bind(C, name="gyroakf_simulate_options_init")
+   subroutine gyroakf_simulate_options_init(opt) bind(C)
       type(simulate_options_c), intent(out), optional :: opt
       type(simulate_options) :: defaults
 
@@ -173,8 +163,7 @@ contains
          & seed=paper_seed, rate_hz=defaults%rate_hz)
    end subroutine gyroakf_simulate_options_init
 
-   !> `gyroakf_simulate`
-   integer(c_int) function gyroakf_simulate(opt, out, err) bind(C, name="gyroakf_simulate")
+   integer(c_int) function gyroakf_simulate(opt, out, err) bind(C)
       type(simulate_options_c), intent(in), optional :: opt
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err

@@ -5,7 +5,8 @@ module gyroakf_c_api_c_saving
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int8_t, c_int64_t, c_associated, &
       & c_f_pointer
    use gyroakf_kinds, only : int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
+   use gyroakf_io_place, only : integer_text
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
    use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_c_api_c_filter, only : new_handle, hand_over
@@ -20,8 +21,7 @@ module gyroakf_c_api_c_saving
 
 contains
 
-   !> `gyroakf_filter_reset`
-   integer(c_int) function gyroakf_filter_reset(f, err) bind(C, name="gyroakf_filter_reset")
+   integer(c_int) function gyroakf_filter_reset(f, err) bind(C)
       type(c_ptr), intent(in), value :: f
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
@@ -37,9 +37,7 @@ contains
       gyroakf_filter_reset = leave_library(c, err)
    end function gyroakf_filter_reset
 
-   !> `gyroakf_filter_save`
-   integer(c_int) function gyroakf_filter_save(f, bytes, capacity, size_out, err) &
-      & bind(C, name="gyroakf_filter_save")
+   integer(c_int) function gyroakf_filter_save(f, bytes, capacity, size_out, err) bind(C)
       type(c_ptr), intent(in), value :: f, bytes
       integer(c_int64_t), intent(in), value :: capacity
       integer(c_int64_t), intent(inout), optional :: size_out
@@ -63,9 +61,7 @@ contains
       gyroakf_filter_save = leave_library(c, err)
    end function gyroakf_filter_save
 
-   !> `gyroakf_filter_restore`
-   integer(c_int) function gyroakf_filter_restore(bytes, length, out, err) &
-      & bind(C, name="gyroakf_filter_restore")
+   integer(c_int) function gyroakf_filter_restore(bytes, length, out, err) bind(C)
       type(c_ptr), intent(in), value :: bytes
       integer(c_int64_t), intent(in), value :: length
       type(c_ptr), intent(out), optional :: out
@@ -86,19 +82,16 @@ contains
    subroutine write_bytes(word, bytes, capacity, error)
       integer(int64), intent(in) :: word(:)
       type(c_ptr), intent(in) :: bytes
-      !> Bytes there are
       integer(c_int64_t), intent(in) :: capacity
       !> invalid_argument: too few
       type(error_type), allocatable, intent(out) :: error
       integer(c_int8_t), pointer :: place(:)
       integer(int64) :: needed
-      character(100) :: text
 
       needed = word_bytes*size(word, kind=int64)
       if (capacity < needed) then
-         write (text, '("the state of this filter takes ", i0, " bytes, there are ", i0)') &
-            & needed, capacity
-         call fatal_error(error, status%invalid_argument, trim(text))
+         call fatal_error(error, status%invalid_argument, "the state of this filter takes "// &
+            & integer_text(needed)//" bytes, there are "//integer_text(capacity))
          return
       end if
       call c_f_pointer(bytes, place, [needed])
@@ -114,7 +107,6 @@ contains
       integer(c_int8_t), pointer, contiguous :: place(:)
       integer :: stat
 
-      stat = 0
       if (.not. c_associated(bytes) .or. length < 1 .or. length > max_samples) then
          call fatal_error(error, status%invalid_argument, &
             & "the bytes of a filter must not be NULL, their number must be 1 .. 2**44")
@@ -123,9 +115,8 @@ contains
             & "the state of a filter is cut short or has something behind it")
       else
          allocate (word(length/word_bytes), stat=stat)
+         call check_memory(stat, "the state of a filter", error)
       end if
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the state of a filter")
       if (allocated(error)) return
       call c_f_pointer(bytes, place, [length])
       word(:) = transfer(place, word)

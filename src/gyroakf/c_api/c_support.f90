@@ -15,11 +15,10 @@ module gyroakf_c_api_c_support
       & c_size_t, c_null_char, c_associated, c_f_pointer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite, ieee_is_nan
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_utf8, only : make_readable
    use gyroakf_allan_block_sums, only : count_non_finite
-   use gyroakf_c_api_c_host, only : progress_c, callback_type, set_aside, restore
-   use gyroakf_c_api_c_places, only : check_aligned
+   use gyroakf_c_api_c_host, only : check_aligned, progress_c, callback_type, set_aside, restore
    implicit none (type, external)
    private
    public :: error_c, call_type, enter_library, leave_library, ok, open_options, open_series
@@ -55,7 +54,7 @@ module gyroakf_c_api_c_support
 
    interface
       !> Length of a C string
-      integer(c_size_t) function strnlen(text, longest) bind(C, name="strnlen")
+      integer(c_size_t) function strnlen(text, longest) bind(C)
          import :: c_ptr, c_size_t
          implicit none (type, external)
          type(c_ptr), intent(in), value :: text
@@ -268,11 +267,8 @@ contains
       allocate (c%valid(n), stat=stat)
       if (stat == 0) allocate (c%x(n), stat=stat)
       c%owned = stat == 0
-      if (.not. c%owned) then
-         call fatal_error(c%error, status%no_memory, "no memory for a copy of the series")
-         return
-      end if
-      do i = 1, n
+      call check_memory(stat, "a copy of the series", c%error)
+      do i = 1, merge(n, 0_int64, c%owned)
          c%valid(i) = merge(0_int8, 1_int8, ieee_is_nan(x(i)))
          c%x(i) = 0
          if (c%valid(i) == 1) c%x(i) = x(i)

@@ -1,26 +1,33 @@
 ! SPDX-License-Identifier: MIT
-!> FORTRAN 77: Allan deviation, noise coefficients, unit-root test, AR model, and the filter with
-!> its state in an array of the caller. The arguments are described in c_api/README.md.
+!> FORTRAN 77: Allan deviation, noise coefficients, unit-root test, AR model; the filter with its
+!> state in an array of the caller; the series without its outliers and trend, and the filters of
+!> the program, which the library keeps (IH(2) holds them). The arguments are described in
+!> c_api/README.md.
 !>
 !> Names of six letters with an underscore behind them in the object, arguments by reference, INFO
 !> last: 0 good, -i argument i is bad, > 0 a failure (the numbers of `enum gyroakf_status`).
 module gyroakf_c_api_legacy
    use, intrinsic :: iso_c_binding, only : c_int, c_int32_t, c_int64_t, c_char, c_double, c_loc, &
-      & c_null_char
+      & c_null_char, c_null_ptr, c_ptr
    use gyroakf_error, only : error_type
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, fit_noise
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
    use gyroakf_filter_packed, only : packed_length, pack_filter, is_packed, step_packed, &
       & freeze_packed, packed_numbers
-   use gyroakf_c_api_c_ar, only : ar_options_c, gyroakf_ar_fit, gyroakf_ar_options_init
+   use gyroakf_c_api_c_design, only : gyroakf_filter_identify, identified => kinds
+   use gyroakf_c_api_c_filter, only : gyroakf_filter_free, gyroakf_filter_freeze, &
+      & gyroakf_filter_step
    use gyroakf_c_api_c_host, only : begin_step, end_step
+   use gyroakf_c_api_c_outliers, only : gyroakf_clean, gyroakf_outlier_options_init, &
+      & outlier_options_c, outliers_c
    use gyroakf_c_api_c_series, only : adf_c, adf_options_c, gyroakf_adf_options_init, &
-      & gyroakf_adf_test
+      & gyroakf_adf_test, ar_options_c, gyroakf_ar_fit, gyroakf_ar_options_init
    use gyroakf_c_api_c_support, only : call_type, enter_library, leave_library, ok, open_series
    implicit none (type, external)
    private
    public :: gyadev, gynfit, gyadft, gyarft, gyfini, gyfstp, gyfrun, gyfget, gyffrz
+   public :: gyclen, gyfdes, gyhstp, gyhfrz, gyhfre
 
    !> KIND of GYADEV from 1 on
    character(6), parameter :: kinds(7) = [character(6) :: "oadev", "adev", "mdev", "tdev", "hdev", &
@@ -50,10 +57,8 @@ contains
       type(noise_type) :: noise
       type(error_type), allocatable :: unfitted
 
-      info = 0
       nt = 0
-      if (n < 2) info = -1
-      if (info == 0 .and. (kind < 1 .or. kind > size(kinds))) info = -4
+      info = first_bad([n < 2, .false., .false., kind < 1 .or. kind > size(kinds)])
       if (info /= 0) return
       call enter_library(c)
       options%kind = kinds(kind)
@@ -87,8 +92,7 @@ contains
       type(allan_curve_type) :: curve
       type(noise_type) :: noise
 
-      info = 0
-      if (n < 2) info = -1
+      info = first_bad([n < 2])
       if (info /= 0) return
       call enter_library(c)
       call open_series(c_loc(x), int(n, c_int64_t), c)
@@ -114,9 +118,7 @@ contains
       type(adf_options_c) :: options
       type(adf_c) :: result
 
-      info = 0
-      if (n < 1) info = -1
-      if (info == 0 .and. maxlag < -1) info = -3
+      info = first_bad([n < 1, .false., maxlag < -1])
       if (info /= 0) return
       call gyroakf_adf_options_init(options)
       options%max_lags = maxlag
@@ -139,10 +141,8 @@ contains
       character(len(methods), c_char), target :: name
       type(ar_options_c) :: options
 
-      info = 0
-      if (n < 1) info = -1
-      if (info == 0 .and. (method < 1 .or. method > size(methods))) info = -3
-      if (info == 0 .and. (maxp < 0 .or. maxp > largest_order)) info = -4
+      info = first_bad([n < 1, .false., method < 1 .or. method > size(methods), &
+         & maxp < 0 .or. maxp > largest_order])
       if (info /= 0) return
       name = methods(method)
       call gyroakf_ar_options_init(options)
@@ -160,8 +160,7 @@ contains
       type(filter_options) :: options
       type(filter_type) :: filter
 
-      info = 0
-      if (ip < 0 .or. ip > largest_order) info = -1
+      info = first_bad([ip < 0 .or. ip > largest_order])
       if (info /= 0) return
       if (lwork == -1) then
          work(1) = real(packed_length(max(1, ip)), c_double)
@@ -213,10 +212,8 @@ contains
       integer(c_int) :: changed
       integer(c_int32_t) :: i
 
-      info = 0
-      if (n < 0) info = -2
       changed = begin_step(environment)
-      if (.not. is_packed(work(:2))) info = -1
+      info = first_bad([.not. is_packed(work(:2)), n < 0])
       if (info == 0) then
          do i = 1, n
             call step_packed(work(:packed_length(nint(work(2)))), z(i), estimate)
@@ -232,11 +229,9 @@ contains
       real(c_double), intent(out) :: state(9)
       integer(c_int32_t), intent(out) :: info
 
-      info = -1
       state = 0
-      if (.not. is_packed(work(:2))) return
-      info = 0
-      call packed_numbers(work(:packed_length(nint(work(2)))), state)
+      info = first_bad([.not. is_packed(work(:2))])
+      if (info == 0) call packed_numbers(work(:packed_length(nint(work(2)))), state)
    end subroutine gyfget
 
    !> CALL GYFFRZ(WORK, IFRZ, INFO): no adaptation from here on (IFRZ not 0), or again (0).
@@ -245,10 +240,80 @@ contains
       integer(c_int32_t), intent(in) :: ifrz
       integer(c_int32_t), intent(out) :: info
 
-      info = -1
-      if (.not. is_packed(work(:2))) return
-      info = 0
-      call freeze_packed(work(:packed_length(nint(work(2)))), ifrz /= 0)
+      info = first_bad([.not. is_packed(work(:2))])
+      if (info == 0) call freeze_packed(work(:packed_length(nint(work(2)))), ifrz /= 0)
    end subroutine gyffrz
+
+   !> CALL GYCLEN(N, X, IDEG, Z, NREM, INFO)
+   subroutine gyclen(n, x, ideg, z, nrem, info) bind(C, name="gyclen_")
+      integer(c_int32_t), intent(in) :: n, ideg
+      real(c_double), intent(in), target :: x(*)
+      real(c_double), intent(inout), target :: z(*)
+      integer(c_int32_t), intent(inout) :: nrem
+      integer(c_int32_t), intent(out) :: info
+      type(outlier_options_c) :: options
+      type(outliers_c) :: figures
+
+      info = first_bad([n < 1, .false., ideg < -1 .or. ideg > 9])
+      if (info /= 0) return
+      call gyroakf_outlier_options_init(options)
+      options%degree = ideg
+      info = gyroakf_clean(c_loc(x), int(n, c_int64_t), options, c_loc(z), figures)
+      if (info == 0) nrem = int(figures%removed, c_int32_t)
+   end subroutine gyclen
+
+   !> CALL GYFDES(N, X, DT, KIND, XMEAN, IH, INFO)
+   subroutine gyfdes(n, x, dt, kind, xmean, ih, info) bind(C, name="gyfdes_")
+      integer(c_int32_t), intent(in) :: n, kind
+      real(c_double), intent(in), target :: x(*)
+      real(c_double), intent(in) :: dt
+      real(c_double), intent(inout) :: xmean
+      integer(c_int32_t), intent(out) :: ih(2), info
+      character(len(identified) + 1, kind=c_char), target :: name
+      type(c_ptr) :: handle
+
+      ih = 0
+      info = first_bad([n < 1, .false., .false., kind < 1 .or. kind > size(identified)])
+      if (info /= 0) return
+      name = trim(identified(kind))//c_null_char
+      info = gyroakf_filter_identify(c_loc(name), c_loc(x), int(n, c_int64_t), dt, out=handle, &
+         & mean=xmean)
+      ih = transfer(handle, ih)
+   end subroutine gyfdes
+
+   !> CALL GYHSTP(IH, Z, X, INFO): one step.
+   subroutine gyhstp(ih, z, x, info) bind(C, name="gyhstp_")
+      integer(c_int32_t), intent(in) :: ih(2)
+      real(c_double), intent(in) :: z
+      real(c_double), intent(inout) :: x
+      integer(c_int32_t), intent(out) :: info
+
+      info = gyroakf_filter_step(transfer(ih, c_null_ptr), z, x)
+      if (all(ih == 0)) info = -1
+   end subroutine gyhstp
+
+   !> CALL GYHFRZ(IH, IFRZ, INFO): no adaptation from here on (IFRZ not 0), or again (0).
+   subroutine gyhfrz(ih, ifrz, info) bind(C, name="gyhfrz_")
+      integer(c_int32_t), intent(in) :: ih(2), ifrz
+      integer(c_int32_t), intent(out) :: info
+
+      info = gyroakf_filter_freeze(transfer(ih, c_null_ptr), ifrz)
+      if (all(ih == 0)) info = -1
+   end subroutine gyhfrz
+
+   !> CALL GYHFRE(IH): the filter is no more.
+   subroutine gyhfre(ih) bind(C, name="gyhfre_")
+      integer(c_int32_t), intent(inout) :: ih(2)
+
+      call gyroakf_filter_free(transfer(ih, c_null_ptr))
+      ih = 0
+   end subroutine gyhfre
+
+   !> INFO of the first bad argument, 0 where none is.
+   pure integer(c_int32_t) function first_bad(bad)
+      logical, intent(in) :: bad(:)
+
+      first_bad = -findloc(bad, .true., dim=1)
+   end function first_bad
 
 end module gyroakf_c_api_legacy

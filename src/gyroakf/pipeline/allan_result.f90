@@ -4,7 +4,7 @@
 module gyroakf_pipeline_allan_result
    use gyroakf_kinds, only : dp
    use gyroakf_allan_deviations, only : allan_curve_type
-   use gyroakf_allan_noise_fit, only : noise_type
+   use gyroakf_allan_noise_fit, only : coefficient_type, noise_type
    use gyroakf_allan_read_off, only : read_off_type
    implicit none (type, external)
    private
@@ -40,15 +40,7 @@ module gyroakf_pipeline_allan_result
       "cleaned", "kf", "akf", "compensated"]
 
    !> One noise coefficient in the unit it is stated in
-   type :: stated_coefficient_type
-      !> Value, its standard error and the one-sided 95 % limit; NaN-free, 0 where there is none
-      real(dp) :: value = 0.0_dp, std_error = 0.0_dp, upper_limit = 0.0_dp
-      !> The value is stated
-      logical :: detected = .false.
-      !> There is a value or a limit; false where the term was not asked for, or is withheld
-      logical :: fitted = .false.
-      !> "value", "limit", "withheld" or ""
-      character(8) :: state = ""
+   type, extends(coefficient_type) :: stated_coefficient_type
       !> "deg/sqrt(h)"; "deg/s*sqrt(sample)" without a rate, "input*sqrt(s)" without a unit
       character(:), allocatable :: unit
       !> The same in SI; 0 and "" where rate or unit is not known
@@ -72,17 +64,11 @@ module gyroakf_pipeline_allan_result
       type(stated_coefficient_type) :: density(2)
    end type stated_noise_type
 
-   !> What the curve alone says by the classical rules, in the units of the coefficients
-   type :: stated_read_off_type
-      !> Q N B K R, where `found`
-      real(dp) :: value(5) = 0.0_dp
-      logical :: found(5) = .false.
-      !> Lowest deviation in the unit of B, undivided, and its averaging time in s (samples without
-      !> a rate); where `known`
-      real(dp) :: minimum = 0.0_dp, minimum_tau = 0.0_dp
+   !> What the curve alone says by the classical rules, in the units of the coefficients; the lowest
+   !> deviation in that of B, its averaging time in s (samples without a rate)
+   type, extends(read_off_type) :: stated_read_off_type
+      !> There is a lowest deviation
       logical :: known = .false.
-      !> The lowest deviation is the last one that counts
-      logical :: falling = .false.
    end type stated_read_off_type
 
    !> Curve and coefficients of one series

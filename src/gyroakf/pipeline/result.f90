@@ -22,8 +22,7 @@ module gyroakf_pipeline_result
    use gyroakf_filter_design, only : design_options, drift_options
    use gyroakf_filter_filter_series, only : filter_result_type
    use gyroakf_filter_kalman, only : filter_type
-   use gyroakf_filter_drift_identification, only : drift_identification_options, &
-      drift_identification_type
+   use gyroakf_filter_drift_identification, only : drift_identification_type
    use gyroakf_allan_deviations, only : allan_options
    use gyroakf_allan_noise_fit, only : noise_options
    use gyroakf_allan_halves, only : halves_type
@@ -56,8 +55,6 @@ module gyroakf_pipeline_result
       type(design_options) :: design
       !> The adaptive filter of the identified drift, also that of the smoother
       type(drift_options) :: drift
-      !> How the drift is identified; its limit is `drift_tau`
-      type(drift_identification_options) :: identification
       !> Allan curves; the kind that is fitted is oadev
       type(allan_options) :: allan
       !> Further kinds for the series as read and cleaned, separated by commas: "mdev,ohdev"
@@ -106,9 +103,9 @@ module gyroakf_pipeline_result
       logical :: walk = .false.
       !> It counts as drift
       logical :: slow = .false.
-      !> Coefficient, correlation time in s (samples without a rate), their standard errors; 1 and 0
+      !> Coefficient, correlation time in s (samples without a rate) and its standard error; 1 and 0
       !> for a random walk
-      real(dp) :: phi = 0.0_dp, phi_error = 0.0_dp, time = 0.0_dp, time_error = 0.0_dp
+      real(dp) :: phi = 0.0_dp, time = 0.0_dp, time_error = 0.0_dp
       !> Standard deviation in the unit of the record: of the process; of a random walk that of a
       !> step, with its standard error
       real(dp) :: std = 0.0_dp, std_error = 0.0_dp
@@ -121,8 +118,6 @@ module gyroakf_pipeline_result
       !> Variance of the output over that of the filter's input: of the cleaned series; of the
       !> drift's filters, of the record as read without outliers
       real(dp) :: variance_ratio = 0.0_dp
-      !> Variance of the output over that of the record as read
-      real(dp) :: raw_variance_ratio = 0.0_dp
       !> Share of a constant rotation, in percent, that passes, and that is lost
       real(dp) :: passed_percent = 0.0_dp, lost_percent = 0.0_dp
       !> Root mean square error against the true drift, in the unit of the record, and the number of
@@ -224,11 +219,6 @@ module gyroakf_pipeline_result
       !> was taken from it
       type(moments_type) :: compensated
       real(dp) :: compensated_ratio = 0.0_dp
-      !> The true drift, where it was given, in the unit of the record: [n]; deallocated after the
-      !> filters
-      real(dp), allocatable :: true_drift(:)
-      !> 1 where it is known, 0 where it is not: [n]; unallocated: known everywhere
-      integer(int8), allocatable :: true_drift_present(:)
       !> By [[gyroakf_pipeline_allan_result:stage]]
       type(allan_result_type), allocatable :: allan(:)
       !> Whether the curve of the record as read changed from its first to its second half
@@ -249,8 +239,6 @@ module gyroakf_pipeline_result
       integer(int8), allocatable :: series_present(:)
       !> Warnings, and which stages failed and why
       type(text_type), allocatable :: warnings(:), unavailable(:)
-      !> Status of the first of them, 0 where all went well
-      integer :: first_failure = 0
    end type channel_result_type
 
    !> The whole record

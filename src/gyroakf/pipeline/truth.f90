@@ -2,8 +2,8 @@
 !> Root mean square error of a filter against the true drift (from a simulation or a reference
 !> sensor).
 !>
-!>     call take_truth(truth, record, channel, result, error)   ! once, in the unit of the record
-!>     call compute_rmse(x, mean, .true., result, rmse, samples, valid)
+!>     call take_truth(truth, channel, job)
+!>     call compute_rmse(job, x, mean, .true., result, figures)
 !>
 !> A filter estimates the drift of the series that it is given. The mean and the trend that were
 !> removed from that series are part of the drift; they are subtracted from the true drift d before
@@ -12,10 +12,11 @@
 module gyroakf_pipeline_truth
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_record, only : record_type
+   use gyroakf_record, only : record_type, unit_of
    use gyroakf_units, only : quantity, unit_type
    use gyroakf_stats_trend, only : subtract_trend
-   use gyroakf_pipeline_result, only : channel_result_type
+   use gyroakf_pipeline_channel_job, only : job_type
+   use gyroakf_pipeline_result, only : channel_result_type, filter_figures_type
    implicit none (type, external)
    private
    public :: check_truth, take_truth, compute_rmse
@@ -81,87 +82,63 @@ contains
       end if
    end subroutine check_units
 
-   !> The true drift of one channel, in the unit of the record.
-   subroutine take_truth(truth, record, channel, result, error)
-      !> Checked
-      type(record_type), intent(in) :: truth
-      type(record_type), intent(in) :: record
+   !> The true drift of one channel.
+   subroutine take_truth(truth, channel, job)
+      !> Checked; as long as the job
+      type(record_type), intent(in), target :: truth
       !> Number of the channel
       integer, intent(in) :: channel
-      !> Its true drift is set
-      type(channel_result_type), intent(inout) :: result
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
-      type(unit_type) :: from, to
-      real(dp) :: factor
-      integer :: failed
+      !> Has the unit of the samples; its true drift is set
+      type(job_type), intent(inout) :: job
+      type(unit_type) :: unit
 
-      allocate (result%true_drift(size(truth%value, 1, kind=int64)), stat=failed)
-      if (failed == 0 .and. allocated(truth%present)) then
-         allocate (result%true_drift_present, source=truth%present(:, channel), stat=failed)
-      end if
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the true drift")
-         return
-      end if
-      from = unit_of(truth, channel)
-      to = unit_of(record, channel)
-      factor = 1.0_dp
-      if (from%quantity /= quantity%unknown) factor = from%to_si/to%to_si
-      result%true_drift(:) = factor*truth%value(:, channel)
+      job%true_drift => truth%value(:, channel)
+      if (allocated(truth%present)) job%truth_known => truth%present(:, channel)
+      unit = unit_of(truth, channel)
+      job%truth_factor = 1.0_dp
+      if (unit%quantity /= quantity%unknown) job%truth_factor = unit%to_si/job%unit%to_si
    end subroutine take_truth
 
-   !> Unit of a channel.
-   pure type(unit_type) function unit_of(record, channel)
-      type(record_type), intent(in) :: record
-      integer, intent(in) :: channel
-
-      unit_of = record%unit
-      if (allocated(record%channel_unit)) unit_of = record%channel_unit(channel)
-   end function unit_of
-
    !> RMSE of an estimate of the drift.
-   pure subroutine compute_rmse(x, mean, detrended, channel, rmse, samples, valid)
+   pure subroutine compute_rmse(job, x, mean, detrended, channel, figures)
+      !> With the true drift
+      type(job_type), intent(in) :: job
       !> The estimate: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Subtracted from the series before it was filtered
       real(dp), intent(in) :: mean
       !> The series is the cleaned one: its trend was removed too
       logical, intent(in) :: detrended
-      !> True drift and trend are taken from it
+      !> The trend is taken from it
       type(channel_result_type), intent(in) :: channel
-      !> In the unit of the record; 0 where no sample counts
-      real(dp), intent(out) :: rmse
-      !> Samples that count: measured, and the true drift known; 0 where no true drift was given
-      integer(int64), intent(out) :: samples
-      !> 1 where a sample was measured, 0 where it is missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
+      !> Its `rmse` and `rmse_samples` are set where a true drift was given
+      type(filter_figures_type), intent(inout) :: figures
       integer(int64), parameter :: block = 1024
       real(dp) :: drift(block), squares
       integer(int64) :: first, last, k
 
-      rmse = 0.0_dp
-      samples = 0
       squares = 0.0_dp
-      if (.not. allocated(channel%true_drift)) return
+      if (.not. associated(job%true_drift)) return
       do first = 1, size(x, kind=int64), block
          last = min(first + block - 1, size(x, kind=int64))
-         drift(:last - first + 1) = channel%true_drift(first:last)
+         drift(:last - first + 1) = job%truth_factor*job%true_drift(first:last)
          if (detrended .and. channel%available%preprocess) then
             call subtract_trend(channel%clean%trend, first - 1, drift(:last - first + 1))
          end if
          do k = first, last
-            if (present(valid)) then
-               if (valid(k) == 0_int8) cycle
+            if (associated(job%valid)) then
+               if (job%valid(k) == 0_int8) cycle
             end if
-            if (allocated(channel%true_drift_present)) then
-               if (channel%true_drift_present(k) == 0_int8) cycle
+            if (associated(job%truth_known)) then
+               if (job%truth_known(k) == 0_int8) cycle
             end if
-            samples = samples + 1
+            figures%rmse_samples = figures%rmse_samples + 1
             squares = squares + (x(k) - (drift(k - first + 1) - mean))**2
          end do
       end do
-      if (samples > 0) rmse = sqrt(squares/real(samples, dp))
+      associate (samples => figures%rmse_samples)
+         if (samples > 0) figures%rmse = sqrt(squares/real(samples, dp))
+      end associate
    end subroutine compute_rmse
 
 end module gyroakf_pipeline_truth

@@ -13,20 +13,19 @@
 !> 5. Where the fit does not describe the longest times, ADF and KPSS of the block means decide.
 module gyroakf_pipeline_verdict
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_progress, only : progress_type
-   use gyroakf_record, only : add_text, record_type
+   use gyroakf_error, only : check_memory, error_type
+   use gyroakf_record, only : add_text
    use gyroakf_io_decimal, only : format_real
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
-   use gyroakf_allan_noise_fit, only : coefficient_type, fit_noise, noise_options, noise_type
+   use gyroakf_allan_noise_fit, only : fit_noise, noise_options, noise_type
    use gyroakf_allan_noise_model, only : model_variance, term_flicker, term_ramp, term_shape, &
       term_walk
    use gyroakf_allan_trend_test, only : block_count, block_means, find_trend, trend_means, &
       trend_test_options, trend_values
    use gyroakf_series_adf, only : adf_options, test_adf
    use gyroakf_series_kpss, only : kpss_options, test_kpss
-   use gyroakf_pipeline_result, only : channel_result_type, pipeline_options, stage, &
-      stated_coefficient_type, verdict_type
+   use gyroakf_pipeline_channel_job, only : job_type
+   use gyroakf_pipeline_result, only : channel_result_type, stage, verdict_type
    use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
@@ -42,67 +41,59 @@ contains
 
    !> Looks for a trend in the block means, and tests what is left of them. A failure is noted in
    !> the channel.
-   subroutine examine_means(x, channel, error, valid)
-      !> The record as read: [n]
-      real(dp), intent(in), contiguous :: x(:)
+   subroutine examine_means(job, channel, error)
+      !> The channel in work; the samples as read are examined
+      type(job_type), intent(in) :: job
       !> `verdict%trend`, `adf` and `kpss` are filled; `verdict%known` where the record is long
       !> enough
       type(channel_result_type), intent(inout) :: channel
       !> no_memory and the like
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing or an outlier: [n]
-      integer(int8), intent(in), optional :: valid(:)
       real(dp) :: mean(block_count)
       integer(int64) :: n
 
-      n = size(x, kind=int64)
+      n = size(job%x, kind=int64)
       associate (verdict => channel%verdict)
          verdict%wanted = .true.
-         call block_means(x, mean, verdict%known, valid)
+         call block_means(job%x, mean, verdict%known, job%valid)
          if (.not. verdict%known) return
          call find_trend(mean, n, trend_test_options(), verdict%trend, error)
          if (allocated(error)) return
          mean = mean - trend_means(verdict%trend, n)
          call test_adf(mean, adf_options(criterion="bic"), verdict%adf, error)
          if (.not. allocated(error)) call test_kpss(mean, kpss_options(), verdict%kpss, error)
-         verdict%known = .not. allocated(error)
-         call note_failure(channel, "verdict on drift", error)
+         call note_failure(channel%unavailable, "verdict on drift", error, verdict%known)
       end associate
    end subroutine examine_means
 
    !> Gives a curve the octaves of the record without its trend, which are those that are fitted.
-   subroutine octaves_without_trend(x, options, verdict, curve, error, valid, progress)
-      !> The record: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      type(pipeline_options), intent(in) :: options
+   subroutine octaves_without_trend(job, valid, verdict, curve, error)
+      !> The channel in work; the samples as read are taken
+      type(job_type), intent(in) :: job
+      !> 1 present, 0 missing: [n]; not associated where none is
+      integer(int8), pointer, contiguous, intent(in) :: valid(:)
       !> With a trend; else nothing is done
       type(verdict_type), intent(in) :: verdict
       !> Of the record
       type(allan_curve_type), intent(inout) :: curve
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
       type(allan_curve_type) :: level
       real(dp), allocatable :: rest(:)
       integer(int64) :: i, n
-      integer :: failed
+      integer :: stat
 
       if (verdict%trend%shape == "") return
-      n = size(x, kind=int64)
-      allocate (rest(n), stat=failed)
-      if (failed /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the record without its trend")
-         return
-      end if
+      n = size(job%x, kind=int64)
+      allocate (rest(n), stat=stat)
+      call check_memory(stat, "the record without its trend", error)
+      if (allocated(error)) return
       do i = 1, n
-         rest(i) = x(i) - trend_values(verdict%trend, n, i)
+         rest(i) = job%x(i) - trend_values(verdict%trend, n, i)
       end do
-      call compute_allan(rest, curve%sample_interval, &
-                         allan_options(min_coverage=options%allan%min_coverage), level, error, &
-                         valid, progress)
+      call compute_allan(rest, job%step, &
+                         allan_options(min_coverage=job%options%allan%min_coverage), level, error, &
+                         valid, job%progress)
       if (.not. allocated(error)) curve%octaves = level%octaves
    end subroutine octaves_without_trend
 
@@ -115,21 +106,14 @@ contains
       if (verdict%trend%shape /= "") beside%term_price(term_ramp) = 1.0e9_dp
    end function options_beside
 
-   !> The verdict, and what of the coefficients it withholds. A failure is noted in the channel.
-   subroutine judge(x, record, options, channel, error, valid, progress)
-      !> The record as read: [n]
-      real(dp), intent(in), contiguous :: x(:)
-      !> Sample interval and unit
-      type(record_type), intent(in) :: record
-      type(pipeline_options), intent(in) :: options
+   !> The verdict. A failure is noted in the channel.
+   subroutine judge(job, channel, error)
+      !> The channel in work; the samples as read are judged
+      type(job_type), intent(in) :: job
       !> Means examined, Allan curves fitted as far as they were asked for
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> 1 present, 0 missing or an outlier: [n]
-      integer(int8), intent(in), optional :: valid(:)
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
       type(noise_type) :: noise
       integer :: which
 
@@ -139,45 +123,41 @@ contains
       end if
       which = merge(stage%outliers_removed, stage%input, &
                     channel%allan(stage%outliers_removed)%available)
-      if (channel%allan(which)%fitted .and. options%noise%terms == "auto" .and. &
-          options%noise%tau_min <= 0 .and. options%noise%tau_max >= huge(1.0_dp)) then
-         noise = channel%allan(which)%noise
-      else
-         call fit_for_verdict(x, record%sample_interval, options, channel, noise, error, valid, &
-                              progress)
-      end if
-      channel%verdict%known = .not. allocated(error)
-      call note_failure(channel, "verdict on drift", error)
+      associate (asked => job%options%noise)
+         if (channel%allan(which)%fitted .and. asked%terms == "auto" .and. asked%tau_min <= 0 &
+             .and. asked%tau_max >= huge(1.0_dp)) then
+            noise = channel%allan(which)%noise
+         else
+            call fit_for_verdict(job, channel, noise, error)
+         end if
+      end associate
+      call note_failure(channel%unavailable, "verdict on drift", error, channel%verdict%known)
       if (.not. channel%verdict%known) return
-      call decide(noise, real(size(x, kind=int64)/block_count, dp), channel%verdict)
+      call decide(noise, real(size(job%x, kind=int64)/block_count, dp), channel%verdict)
       ! not where outliers hide B
       if (channel%verdict%drift == "flicker" .and. channel%allan(stage%input)%fitted) then
          associate (flicker => channel%allan(stage%input)%noise%coefficient(term_flicker))
             if (.not. flicker%detected) channel%verdict%drift = "none"
          end associate
       end if
-      call give_reasons(record, channel%verdict)
-      call withhold(channel)
+      call give_reasons(job, channel%verdict)
    end subroutine judge
 
    !> The fit of all terms to all octaves, where the user wanted another one or none.
-   subroutine fit_for_verdict(x, step, options, channel, noise, error, valid, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      real(dp), intent(in) :: step
-      type(pipeline_options), intent(in) :: options
+   subroutine fit_for_verdict(job, channel, noise, error)
+      type(job_type), intent(in) :: job
       type(channel_result_type), intent(in) :: channel
       type(noise_type), intent(out) :: noise
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
       type(allan_curve_type) :: curve
 
-      call compute_allan(x, step, allan_options(min_coverage=options%allan%min_coverage), curve, &
-                         error, valid, progress)
-      if (allocated(error)) return
-      call octaves_without_trend(x, options, channel%verdict, curve, error, valid, progress)
-      if (allocated(error)) return
-      call fit_noise(curve, options_beside(noise_options(), channel%verdict), noise, error)
+      call compute_allan(job%x, job%step, &
+                         allan_options(min_coverage=job%options%allan%min_coverage), curve, error, &
+                         job%valid, job%progress)
+      if (.not. allocated(error)) call octaves_without_trend(job, job%valid, channel%verdict, &
+                                                             curve, error)
+      if (.not. allocated(error)) call fit_noise(curve, options_beside(noise_options(), &
+                                                 channel%verdict), noise, error)
    end subroutine fit_for_verdict
 
    !> Steps 3 to 5.
@@ -222,14 +202,13 @@ contains
    end subroutine decide
 
    !> What the verdict rests on.
-   subroutine give_reasons(record, verdict)
-      !> For the units
-      type(record_type), intent(in) :: record
+   subroutine give_reasons(job, verdict)
+      type(job_type), intent(in) :: job
       type(verdict_type), intent(inout) :: verdict
       character(:), allocatable :: text
 
       allocate (verdict%reasons(0))
-      if (verdict%trend%shape /= "") call add_trend(record, verdict)
+      if (verdict%trend%shape /= "") call add_trend(job, verdict)
       text = trim(merge("rejects        ", "does not reject", &
                         verdict%adf%statistic < unit_root_limit))
       text = "the ADF test of the means of 128 blocks gives "// &
@@ -253,64 +232,24 @@ contains
    end subroutine give_reasons
 
    !> "a ramp of 72.1 +- 1.3 deg/h over the record raises 2 ln L by 45".
-   subroutine add_trend(record, verdict)
-      type(record_type), intent(in) :: record
+   subroutine add_trend(job, verdict)
+      type(job_type), intent(in) :: job
       type(verdict_type), intent(inout) :: verdict
       character(:), allocatable :: text
 
       text = "a "//trim(verdict%trend%shape)//" of "//format_real(verdict%trend%size, 4)//" +- "// &
              format_real(verdict%trend%std_error, 2)
-      if (allocated(record%unit%name)) text = trim(text//" "//record%unit%name)
+      if (allocated(job%unit%name)) text = trim(text//" "//job%unit%name)
       if (verdict%trend%shape == "ramp") then
          text = text//" over the record"
       else
          text = text//" with a time constant of "// &
-            format_real(verdict%trend%time_constant*record%sample_interval, 3)// &
-            trim(merge(" s      ", " samples", record%rate_known))
+            format_real(verdict%trend%time_constant*job%step, 3)// &
+            trim(merge(" s      ", " samples", job%rate_known))
       end if
       call add_text(verdict%reasons, text//" raises 2 ln L by "// &
          format_real(verdict%trend%gain, 3)// &
          "; the coefficients are those of the noise beside it")
    end subroutine add_trend
-
-   !> No coefficient of the record as read says what the verdict excludes: K without a random walk,
-   !> R beside a trend or none.
-   pure subroutine withhold(channel)
-      type(channel_result_type), intent(inout) :: channel
-
-      integer :: which
-
-      do which = stage%input, merge(stage%cleaned, stage%outliers_removed, &
-                                    channel%clean%trend%degree < 0)
-         associate (verdict => channel%verdict, allan => channel%allan(which))
-            if (.not. allan%fitted) cycle
-            if (index(verdict%drift, "random_walk") == 0 .and. &
-                allan%noise%coefficient(term_walk)%detected) then
-               call withhold_one(allan%noise%coefficient(term_walk), allan%stated%term(term_walk))
-            end if
-            if (verdict%trend%shape /= "" .or. (verdict%drift /= "random_walk_or_trend" .and. &
-                                                allan%noise%coefficient(term_ramp)%detected)) then
-               call withhold_one(allan%noise%coefficient(term_ramp), allan%stated%term(term_ramp))
-            end if
-         end associate
-      end do
-   end subroutine withhold
-
-   !> A coefficient that is not stated.
-   pure subroutine withhold_one(coefficient, stated)
-      type(coefficient_type), intent(inout) :: coefficient
-      type(stated_coefficient_type), intent(inout) :: stated
-
-      coefficient = coefficient_type(state="withheld")
-      stated%value = 0
-      stated%std_error = 0
-      stated%upper_limit = 0
-      stated%value_si = 0
-      stated%std_error_si = 0
-      stated%upper_limit_si = 0
-      stated%detected = .false.
-      stated%fitted = .false.
-      stated%state = "withheld"
-   end subroutine withhold_one
 
 end module gyroakf_pipeline_verdict

@@ -3,14 +3,14 @@
 module gyroakf_pipeline_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, status
-   use gyroakf_record, only : add_text, record_type
-   use gyroakf_io_decimal, only : format_real, real_length
-   use gyroakf_io_place, only : integer_text, integer_length
+   use gyroakf_record, only : add_text, text_type
+   use gyroakf_io_decimal, only : format_real
+   use gyroakf_io_place, only : integer_text
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
    implicit none (type, external)
    private
    public :: job_ends, note_failure, note_error, negligible_rho
-   public :: warn_outliers, warn_order, warn_model, warn_curve, warn_fit, warn_halves, warn_centred
+   public :: warn_outliers, warn_order, warn_model, warn_curve, warn_fit, warn_halves
 
    !> Errors that end the whole job, not only a stage of one channel
    integer, parameter :: job_ends(5) = [status%no_memory, status%cancelled, status%internal, &
@@ -30,28 +30,31 @@ contains
 
    !> Notes why an analysis has no result and clears the error; one that ends the job stays as it
    !> is.
-   pure subroutine note_failure(channel, analysis, error)
-      !> Gets a line in `unavailable`
-      type(channel_result_type), intent(inout) :: channel
+   pure subroutine note_failure(failures, analysis, error, available)
+      !> `unavailable` of the channel; gets a line
+      type(text_type), allocatable, intent(inout) :: failures(:)
       !> What is missing, as a reader knows it: "ADF test"
       character(*), intent(in) :: analysis
       !> Deallocated where it does not end the job
       type(error_type), allocatable, intent(inout) :: error
+      !> There was no error
+      logical, intent(out), optional :: available
 
+      if (present(available)) available = .not. allocated(error)
       if (.not. allocated(error)) return
-      if (.not. any(error%code == job_ends)) call note_error(channel, analysis, error)
+      if (.not. any(error%code == job_ends)) call note_error(failures, analysis, error)
    end subroutine note_failure
 
    !> The same of any error.
-   pure subroutine note_error(channel, analysis, error)
+   pure subroutine note_error(failures, analysis, error)
       !> As those of [[note_failure]]
-      type(channel_result_type), intent(inout) :: channel
+      type(text_type), allocatable, intent(inout) :: failures(:)
       character(*), intent(in) :: analysis
       !> Allocated; deallocated
       type(error_type), allocatable, intent(inout) :: error
 
-      call add_text(channel%unavailable, analysis//": "//error%message)
-      if (channel%first_failure == status%ok) channel%first_failure = error%code
+      call add_text(failures, analysis//": "//error%message)
+      failures(size(failures))%code = error%code
       deallocate (error)
    end subroutine note_error
 
@@ -78,9 +81,10 @@ contains
          associate (outlier => channel%clean%outlier)
             last = size(outlier, kind=int64)
             do i = 1, min(last, int(named_outliers, int64))
-               times = times//moment(outlier(i), seconds)//", "
+               call add_moment(times, outlier(i), seconds, ", ")
             end do
-            if (last > named_outliers) times = times//"..., "//moment(outlier(last), seconds)//", "
+            if (last > named_outliers) times = times//"..., "
+            if (last > named_outliers) call add_moment(times, outlier(last), seconds, ", ")
          end associate
       end if
       times = times(:max(len(times) - 2, 0))
@@ -103,8 +107,9 @@ contains
       if (stretches == 0) return
       text = ""
       do k = 1, min(stretches, int(named_motions, int64))
-         text = text//", "//moment(channel%clean%motion(1, k), seconds)//" to "// &
-                moment(channel%clean%motion(2, k), seconds)
+         text = text//", "
+         call add_moment(text, channel%clean%motion(1, k), seconds, " to ")
+         call add_moment(text, channel%clean%motion(2, k), seconds, "")
       end do
       if (stretches > named_motions) text = text//", ..."
       if (seconds > 0) text = "at"//text(2:)//" s"
@@ -149,11 +154,13 @@ contains
    end subroutine warn_model
 
    !> Averaging times that missing samples take out of the Allan curve.
-   pure subroutine warn_curve(channel, record)
+   pure subroutine warn_curve(channel, step, rate_known)
       !> Gets a warning
       type(channel_result_type), intent(inout) :: channel
-      !> For the sample interval
-      type(record_type), intent(in) :: record
+      !> Sample interval
+      real(dp), intent(in) :: step
+      !> It is in seconds
+      logical, intent(in) :: rate_known
       character(:), allocatable :: text, unit
       integer :: n
 
@@ -163,9 +170,9 @@ contains
          n = size(left_out)
          if (n == 0) return
          unit = " s"
-         if (.not. record%rate_known) unit = " samples"
-         text = format_real(left_out(1)*curve%sample_interval, 6)
-         if (n > 1) text = text//" to "//format_real(left_out(n)*curve%sample_interval, 6)
+         if (.not. rate_known) unit = " samples"
+         text = format_real(left_out(1)*step, 6)
+         if (n > 1) text = text//" to "//format_real(left_out(n)*step, 6)
          text = "missing samples leave no windows that are complete enough for the Allan "// &
             "deviation at "//integer_text(int(n, int64))//" averaging "// &
             trim(merge("time ", "times", n == 1))//", tau = "//text//unit
@@ -221,40 +228,21 @@ contains
       end associate
    end subroutine warn_halves
 
-   !> The filters' series has no mean.
-   pure subroutine warn_centred(channel)
-      !> `cleaned` is filled; gets a warning
-      type(channel_result_type), intent(inout) :: channel
-
-      call add_text(channel%warnings, "the filters work on the series less its mean of "// &
-         format_real(channel%cleaned%mean, 5)//"; their outputs are without it", note=.true.)
-   end subroutine warn_centred
-
-   !> The length of `moment`.
-   pure integer function moment_length(index, step)
-      integer(int64), intent(in) :: index
-      real(dp), intent(in) :: step
-
-      if (step > 0.0_dp) then
-         moment_length = real_length(real(index - 1, dp)*step, 7)
-      else
-         moment_length = integer_length(index)
-      end if
-   end function moment_length
-
-   !> Time of a sample in s, or its number.
-   pure function moment(index, step) result(text)
+   !> Appends the time of a sample in s, or its number.
+   pure subroutine add_moment(text, index, step, behind)
+      character(:), allocatable, intent(inout) :: text
       !> From 1
       integer(int64), intent(in) :: index
       !> Sample interval in s, 0 where it is not known
       real(dp), intent(in) :: step
-      character(moment_length(index, step)) :: text
+      !> What stands behind it
+      character(*), intent(in) :: behind
 
       if (step > 0.0_dp) then
-         text = format_real(real(index - 1, dp)*step, 7)
+         text = text//format_real(real(index - 1, dp)*step, 7)//behind
       else
-         text = integer_text(index)
+         text = text//integer_text(index)//behind
       end if
-   end function moment
+   end subroutine add_moment
 
 end module gyroakf_pipeline_warnings
