@@ -5,7 +5,7 @@ module test_record_writer
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : status
    use gyroakf_record, only : record_type, text_type, add_text
-   use gyroakf_io_record_writer, only : write_record
+   use gyroakf_io_columns_writer, only : write_record
    use scratch_file, only : scratch_path, read_bytes, remove_file
    implicit none (type, external)
    private

@@ -9,8 +9,7 @@ module gyroakf_io_audit
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence, new_steps, steps_type
-   use gyroakf_io_losses, only : add_gap, find_losses, gap_type
-   use gyroakf_io_loss_pattern, only : explain_losses
+   use gyroakf_io_losses, only : add_gap, explain_losses, find_losses, gap_type
    use gyroakf_io_rate_changes, only : find_changes
    use gyroakf_record, only : audit_type
    implicit none (type, external)

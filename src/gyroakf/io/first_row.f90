@@ -6,14 +6,14 @@ module gyroakf_io_first_row
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
    use gyroakf_io_stamp_field, only : is_day_first
-   use gyroakf_io_leave_out, only : is_text
+   use gyroakf_io_column_choice, only : is_text
    use gyroakf_io_lines, only : lines_type, map_row
    use gyroakf_io_labels, only : name_fields
    use gyroakf_io_marks, only : find_marks, marks_type, strip_lines
    use gyroakf_io_place, only : integer_text, line_error, place_error
    use gyroakf_io_preamble, only : read_preamble
    use gyroakf_io_reader_options, only : reader_options
-   use gyroakf_io_rows, only : excerpt, join_fields
+   use gyroakf_io_row, only : excerpt, join_fields
    use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, first_rows, &
       set_condition
    use gyroakf_io_stamp_columns, only : find_joined, find_kinds, pair_stamps

@@ -5,7 +5,6 @@
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int64
    use gyroakf_column_class, only : noteless_length
-   use gyroakf_error, only : error_type
    use gyroakf_io_columns, only : column_names_type, read_names
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : lines_type
@@ -14,7 +13,7 @@ module gyroakf_io_header
    use gyroakf_io_text, only : bytes_text, first_visible, last_visible
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
-   use gyroakf_units, only : parse_unit, time_scale, unit_type
+   use gyroakf_units, only : quantity, recognize_unit, time_scale, unit_type
    implicit none (type, external)
    private
    public :: header_type, read_comment, smallest_rate, largest_rate
@@ -122,45 +121,35 @@ contains
       character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
       type(text_type), allocatable :: words(:)
-      type(unit_type) :: unit, last_unit
-      type(error_type), allocatable :: failed
+      type(unit_type) :: unit
+      type(unit_type), allocatable :: each(:), behind(:)             ! of the words, of their ends
       character(:), allocatable :: value
-      integer :: i, several, last_words
-      logical :: known
+      integer :: i
 
       value = bytes_text(lines%bytes, first, last)
       value = value(:noteless_length(value))
-      call parse_unit(value, unit, failed)
-      known = .not. allocated(failed)
-      if (.not. known) then
+      call recognize_unit(value, unit)
+      if (unit%quantity == quantity%unknown) then
          call split_words(value, words)
-         several = 0
+         allocate (each(size(words)), behind(size(words)))
          do i = 1, size(words)
-            call parse_unit(words(i)%text, unit, failed)
-            if (.not. allocated(failed)) several = several + 1
+            associate (word => words(i)%text)
+               call recognize_unit(word, each(i))
+               call recognize_unit(word(index(word, " ", back=.true.) + 1:), behind(i))
+            end associate
          end do
-         if (several > 0 .and. size(words) > 1 .and. &
-            (several == size(words) .or. key == "units")) then
+         if (size(words) > 1 .and. any(each%quantity /= quantity%unknown) .and. &
+            (all(each%quantity /= quantity%unknown) .or. key == "units")) then
             call move_alloc(words, header%units)
             header%unit = unit_type()
             return
          end if
-         call parse_unit(value(:scan(value//" ", " ,;"//achar(9)) - 1), unit, failed)
-         known = .not. allocated(failed)
+         call recognize_unit(value(:scan(value//" ", " ,;"//achar(9)) - 1), unit)
+         if (unit%quantity == quantity%unknown .and. key == "units" .and. &
+            count(behind%quantity /= quantity%unknown) == 1) unit = &        ! names before units
+            behind(findloc(behind%quantity /= quantity%unknown, .true., dim=1))
       end if
-      if (.not. known .and. key == "units") then                 ! names stand before the units
-         last_words = 0
-         do i = 1, size(words)
-            associate (word => words(i)%text)
-               call parse_unit(word(index(word, " ", back=.true.) + 1:), last_unit, failed)
-            end associate
-            if (allocated(failed)) cycle
-            last_words = last_words + 1
-            unit = last_unit
-         end do
-         known = last_words == 1
-      end if
-      if (.not. known) then
+      if (unit%quantity == quantity%unknown) then
          call warn(lines, first, key, "is not known", header%unit_warnings)
          if (index(value, "increment") > 0) call add_text(header%unit_warnings, &
             "if the numbers are increments of an angle, say so: `input` increment, `unit` "// &

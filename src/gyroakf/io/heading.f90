@@ -7,11 +7,11 @@ module gyroakf_io_heading
    use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, &
       read_names, take_brackets_off
    use gyroakf_io_date, only : is_digit
-   use gyroakf_io_leave_out, only : is_text
+   use gyroakf_io_column_choice, only : is_text
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : is_missing_field
-   use gyroakf_io_rows, only : layout_type
+   use gyroakf_io_layout, only : layout_type
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, &
       has_fields, is_no_row, last_visible, line_feed_from, split, split_line
    implicit none (type, external)
@@ -241,7 +241,7 @@ contains
       call read_names(lines%bytes, from, to, lines%number, names)
       if (count_names(names) < 2) return
       if (names_way(lines%bytes, from, to) == split%mixed .and. &
-         .not. is_time_name(names%name(1)%text)) return
+         .not. is_time_name(names%name(1)%text, "")) return
       do i = 1, size(names%name)
          if (len(names%name(i)%text) == 0) cycle
          if (scan(names%name(i)%text(1:1), "+-0123456789") > 0) return

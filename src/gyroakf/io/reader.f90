@@ -13,7 +13,7 @@ module gyroakf_io_reader
    use gyroakf_io_column_behavior, only : find_time_and_counters
    use gyroakf_io_columns, only : has_name, label_of
    use gyroakf_io_findings, only : survey_columns, tell
-   use gyroakf_io_leave_out, only : list_left_out
+   use gyroakf_io_column_choice, only : list_left_out
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_shape, only : cut, largest_value, make_rates, mark_missing, refuse_tiny, &

@@ -4,13 +4,12 @@ module gyroakf_io_recording
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_io_binary, only : binary_type, read_binary_rows
+   use gyroakf_io_binary, only : begin_npy, begin_raw, binary_type, read_binary_rows
    use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_first_row, only : begin_table
    use gyroakf_io_format, only : content_type, recognise
    use gyroakf_io_lines, only : lines_type, open_lines
-   use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : check_options, reader_options
    use gyroakf_io_source, only : close_source

@@ -6,14 +6,12 @@ module gyroakf_io_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_date, only : scan_stamp, stamp_kind
-   use gyroakf_io_layout, only : layout_type, problem_type
+   use gyroakf_io_layout, only : layout_type
    use gyroakf_io_number, only : is_missing_field, number, scan_any
    use gyroakf_io_quick_number, only : quick_number, quick_type, skip_digits
-   use gyroakf_io_row, only : join_fields, read_row
-   use gyroakf_io_row_problem, only : excerpt
    implicit none (type, external)
    private
-   public :: layout_type, problem_type, parse_rows, read_row, join_fields, excerpt
+   public :: parse_rows
 
    !> Bytes of a word that may stand for a missing number, and the bytes behind a field
    integer(int64), parameter :: longest_word = 11
@@ -35,7 +33,7 @@ contains
       real(dp), intent(inout), contiguous :: value(:, :)
       !> Rows of `value` that are filled
       integer(int64), intent(inout) :: rows
-      !> True where the line at `at` needs [[read_row]]
+      !> True where the line at `at` needs [[gyroakf_io_row:read_row]]
       logical, intent(out) :: odd
       integer(int64) :: p, capacity
       integer :: j, slot

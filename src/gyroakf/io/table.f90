@@ -4,12 +4,12 @@ module gyroakf_io_table
    use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : column_class, is_time_name
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_column_choice, only : choose_columns, find_column
+   use gyroakf_io_column_choice, only : analyzed_columns, choose_columns, classes_of, &
+      find_column, in_order
    use gyroakf_io_columns, only : column_names_type, count_names, label_of, most_columns
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_header, only : header_type
    use gyroakf_io_layout, only : layout_type
-   use gyroakf_io_leave_out, only : analyzed_columns, classes_of, in_order
    use gyroakf_io_lines, only : line_map_type
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : reader_options

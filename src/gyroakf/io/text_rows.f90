@@ -14,7 +14,8 @@ module gyroakf_io_text_rows
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, place_error
-   use gyroakf_io_rows, only : layout_type, problem_type, read_row
+   use gyroakf_io_layout, only : layout_type, problem_type
+   use gyroakf_io_row, only : read_row
    use gyroakf_io_source, only : has_places, read_block, read_piece, source_left
    use gyroakf_io_span, only : copy_rows, read_span, span_type
    use gyroakf_io_store, only : count_rows, next_chunk
