@@ -62,8 +62,7 @@ contains
 
    !> Restricted Damerau-Levenshtein distance: letters to insert, delete, replace or swap.
    pure integer function edit_distance(a, b)
-      character(*), intent(in) :: a
-      character(*), intent(in) :: b
+      character(*), intent(in) :: a, b
       integer :: d(-1:len(a), -1:len(b)), i, j, cost
 
       d(-1, :) = len(a) + len(b)

@@ -14,7 +14,7 @@ module gyroakf_io_binary
    use gyroakf_io_npy, only : npy_header_type, read_npy_header, spell_shape
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_reader_options, only : reader_options
-   use gyroakf_io_source, only : open_source, source_type
+   use gyroakf_io_source, only : has_places, open_source, source_type
    use gyroakf_io_store, only : add_chunk, chunk_rows, count_rows
    use gyroakf_io_table, only : begin_numbers, table_type
    use gyroakf_progress, only : progress_type, report_progress
@@ -66,14 +66,11 @@ contains
          if (rest > 0) call refuse_rest(binary, source%name, binary%rows, rest, error)
          if (allocated(error)) return
       end if
-      if (source%length > 0 .and. .not. associated(source%bytes)) binary%descriptor = &
-         source%descriptor
-      if (binary%descriptor < 0) call skip_bytes(binary, source, options%skip, error)
+      if (.not. has_places(source)) call skip_bytes(binary, source, options%skip, error)
    end subroutine begin_raw
 
    !> Opens an array of NumPy.
    subroutine begin_npy(lines, options, binary, table, error)
-      !> Open, its first block read
       type(lines_type), intent(in) :: lines
       type(reader_options), intent(in) :: options
       type(binary_type), intent(out) :: binary
@@ -117,9 +114,7 @@ contains
       if (turned) call add_text(table%warnings, "the array's shape is "//shape// &
          ": the longer side is taken for the time, its "//integer_text(binary%columns)// &
          " rows for the channels; save array.T to have it beyond doubt")
-      if (lines%source%length > 0 .and. .not. associated(lines%source%bytes)) binary%descriptor = &
-         lines%source%descriptor
-      if (binary%descriptor >= 0) return
+      if (has_places(lines%source)) return
       if (lines%bytes(header%first) /= 10_int8) call fatal_error(error, status%parse, table%name// &
          ": byte "//integer_text(header%first - 1)//": the header does not end with a line feed"// &
          new_line("a")//"save it again with numpy.save")
@@ -163,7 +158,6 @@ contains
    subroutine read_binary_rows(binary, source, most, table, error, progress)
       !> Its place in the file moves on
       type(binary_type), intent(inout) :: binary
-      !> For what comes in order
       type(source_type), intent(inout) :: source
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
@@ -171,7 +165,6 @@ contains
       type(table_type), intent(inout) :: table
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: rows, held
       integer :: failed
@@ -180,14 +173,13 @@ contains
          held = count_rows(table%store)
          if (held >= most) return
          rows = max(chunk_rows, most - held)
-         if (binary%descriptor < 0 .and. .not. binary%by_columns) then
+         if (has_places(source) .and. table%layout%stored > size(table%chosen)) then
+            rows = min(rows, part_rows)
+         else if (.not. (has_places(source) .or. binary%by_columns)) then
             rows = max(1_int64, min(chunk_rows, part_rows/table%layout%stored))
          end if
-         if (table%layout%stored > size(table%chosen) .and. binary%descriptor >= 0) then
-            rows = min(rows, part_rows)
-         end if
          if (binary%rows >= 0) rows = min(rows, binary%rows - binary%row)
-         if (binary%by_columns .and. binary%descriptor < 0 .and. rows < binary%rows) then
+         if (binary%by_columns .and. .not. has_places(source) .and. rows < binary%rows) then
             call fatal_error(error, status%no_memory, table%name//": columns that "// &
                "come one after the other, compressed or through a pipe, have to be held as a "// &
                "whole"//new_line("a")//"give the uncompressed file by its name")
@@ -216,7 +208,7 @@ contains
          rows = size(chunk%value, 1, kind=int64)
          slice = rows
          if (present(progress)) slice = max(chunk_rows, slice_values/size(chunk%value, 2))
-         if (binary%descriptor < 0) slice = rows
+         if (.not. has_places(source)) slice = rows
          do while (chunk%rows < rows)
             call report_progress("reading", place_of(binary), source%length, error, progress)
             if (allocated(error)) return
@@ -257,7 +249,7 @@ contains
       if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)// &
          " of the "//trim(element_name(binary%element))// &
          " values are beyond 2^53 and were rounded to 16 digits")
-      if (binary%descriptor >= 0 .or. binary%rows < 0) return
+      if (has_places(source) .or. binary%rows < 0) return
       call take_bytes(binary, source, more, got, error)
       if (allocated(error) .or. got == 0) return
       call fatal_error(error, status%parse, table%name//": byte "// &

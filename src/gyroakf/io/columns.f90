@@ -38,8 +38,7 @@ contains
    !> Names from a line: between commas, semicolons and tabs if there are any, else between blanks.
    subroutine read_names(bytes, first, last, line, names)
       integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64), intent(in) :: line
+      integer(int64), intent(in) :: first, last, line
       type(column_names_type), intent(out) :: names
       type(fields_type) :: fields
       character(:), allocatable :: word
@@ -200,7 +199,6 @@ contains
 
    !> "[deg/s]" becomes "deg/s".
    pure subroutine take_brackets_off(word)
-      !> Begins with a bracket
       character(:), allocatable, intent(inout) :: word
       integer :: last
 

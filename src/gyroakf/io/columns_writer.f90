@@ -63,7 +63,6 @@ contains
 
    !> The form that a file's name asks for: "npy" and "f64" by .npy and .f64, else "text".
    pure function form_of(path) result(form)
-      !> Any
       character(*), intent(in) :: path
       character(4) :: form
 
@@ -79,9 +78,7 @@ contains
       type(writer_type), intent(inout) :: writer
       !> From left to right; arrays begin with row 1
       type(column_type), intent(in) :: columns(:)
-      !> How many
       integer(int64), intent(in) :: rows
-      !> Text or binary
       type(row_layout_type), intent(in) :: layout
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -216,7 +213,6 @@ contains
    subroutine write_record(path, record, header, digits, error, progress)
       !> The file; "-" is standard output
       character(*), intent(in) :: path
-      !> The record
       type(record_type), intent(in), target :: record
       !> Lines to begin with, without "# ": where the record comes from
       type(text_type), intent(in) :: header(:)

@@ -119,11 +119,9 @@ contains
 
    !> Fills `record%column`.
    subroutine survey_columns(table, keep, ranges, record)
-      !> Its rows are in the store
       type(table_type), intent(in) :: table
       !> Columns that become channels: [chosen column]
       logical, intent(in) :: keep(:)
-      !> Ranges and steps are wanted
       logical, intent(in) :: ranges
       type(record_type), intent(inout) :: record
       type(unit_type) :: unit

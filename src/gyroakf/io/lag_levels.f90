@@ -19,7 +19,6 @@ contains
    subroutine find_levels(t, cadence, level, rows, step, rise, longest)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Of the stamps
       type(cadence_type), intent(in) :: cadence
       !> Mean stamps, s: [block]; none where there are fewer than 12 blocks of 16 samples
       real(dp), allocatable, intent(out) :: level(:)
@@ -66,8 +65,7 @@ contains
       real(dp), intent(in), contiguous :: level(:)
       real(dp), intent(in) :: rough
       integer, intent(out) :: window
-      real(dp), intent(out) :: scatter
-      real(dp), intent(out) :: step
+      real(dp), intent(out) :: scatter, step
       real(dp) :: middle, found, usual
       real(dp), allocatable :: rise(:)
       integer(int64), allocatable :: b(:)

@@ -52,7 +52,6 @@ contains
    subroutine find_losses(t, cadence, regular, gaps)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Of the stamps
       type(cadence_type), intent(in) :: cadence
       !> False: the mean stamps of blocks are followed
       logical, intent(in) :: regular
@@ -204,9 +203,7 @@ contains
 
    !> Appends a gap; one behind the last lengthens it.
    pure subroutine add_gap(gaps, before, length)
-      !> Grows by one
       type(gap_type), intent(inout) :: gaps
-      !> Where, and how many samples
       integer(int64), intent(in) :: before, length
 
       if (gaps%count == size(gaps%before)) then
@@ -230,7 +227,6 @@ contains
    subroutine explain_losses(t, cadence, given, gaps, audit)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Of the stamps
       type(cadence_type), intent(in) :: cadence
       !> Sample rate that was given, Hz, 0 for none
       real(dp), intent(in) :: given

@@ -30,7 +30,6 @@ contains
    real(dp) function memory_of(path, key) result(bytes)
       !> Of the form of /proc/meminfo
       character(*), intent(in) :: path
-      !> With its colon
       character(*), intent(in) :: key
 
       bytes = 1024.0_dp*number_behind(path, key)
@@ -85,12 +84,7 @@ contains
 
    !> The least number in the files of a name in a directory and those above it, up to a root.
    real(dp) function least_limit(root, directory, name) result(bytes)
-      !> Not ending with a slash
-      character(*), intent(in) :: root
-      !> Beginning with a slash
-      character(*), intent(in) :: directory
-      !> Of the files
-      character(*), intent(in) :: name
+      character(*), intent(in) :: root, directory, name
       integer :: last
 
       bytes = no_limit

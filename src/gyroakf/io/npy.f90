@@ -48,13 +48,11 @@ contains
 
    !> Magic, version 1.0 and header of an array of doubles: all bytes before the numbers.
    pure subroutine make_npy_header(rows, columns, by_columns, header)
-      !> Its shape
       integer(int64), intent(in) :: rows
       !> 0: one dimension
       integer(int64), intent(in) :: columns
       !> Columns are stored one after the other
       logical, intent(in) :: by_columns
-      !> Its bytes
       character(:), allocatable, intent(out) :: header
       character(:), allocatable :: text, shape
       integer :: length
@@ -82,9 +80,7 @@ contains
    subroutine read_npy_header(bytes, name, header, error)
       !> The first bytes of the file; 66,000 are always enough
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Of the file
       character(*), intent(in) :: name
-      !> What it says
       type(npy_header_type), intent(out) :: header
       !> parse; not_supported: a type that holds no plain numbers, more than two dimensions
       type(error_type), allocatable, intent(out) :: error

@@ -40,7 +40,6 @@ contains
       !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples,
       !> non_finite, no_memory (also where more than `options%memory` would be needed), cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(recording_type) :: recording
       character(:), allocatable :: large
@@ -62,7 +61,6 @@ contains
       type(record_type), intent(out) :: record
       !> On failure: parse, invalid_argument, too_few_samples, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback, between its parts; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
@@ -188,7 +186,6 @@ contains
       !> invalid_argument (the interval, a unit that is unknown or none of a rate), non_finite (a
       !> value beyond 1e60), no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(table_type) :: nothing
 

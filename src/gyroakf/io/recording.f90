@@ -191,7 +191,6 @@ contains
       type(recording_type), intent(inout) :: recording
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: most, wanted
       real(dp) :: rate
@@ -234,7 +233,6 @@ contains
       integer(int64), intent(in) :: most
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       if (recording%format == "text") then

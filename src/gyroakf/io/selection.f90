@@ -132,7 +132,6 @@ contains
       type(layout_type), intent(in) :: layout
       !> [row, column]; fewer rows than 64 where there are many columns
       type(text_type), allocatable, intent(out) :: field(:, :)
-      !> Not 0 where there is no memory
       integer, intent(out) :: stat
       type(text_type), allocatable :: all_fields(:, :)
       type(fields_type) :: fields

@@ -68,7 +68,6 @@ contains
       real(dp), intent(in) :: largest
       !> Allocated on failure: no_memory, non_finite, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback, before every channel; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: i
       integer :: j, failed

@@ -39,9 +39,6 @@ module gyroakf_io_span
       real(dp), allocatable :: value(:, :)
       !> Where rows stood, both counted from the start of the span
       type(line_map_type) :: map
-      !> Bytes of the piece that a thread read for it, and whether the system refused
-      integer(int64) :: got = 0
-      logical :: failed = .false.
       !> Work space: the fields and the numbers of one line
       type(fields_type) :: fields
       real(dp), allocatable :: row(:)

@@ -16,9 +16,7 @@ contains
    !> The column of the nanoseconds or microseconds that belong to a column of whole seconds, by
    !> their names: `stamp.secs` and `stamp.nsecs`, `sec` and `nanosec`, `tv_sec` and `tv_usec`.
    pure subroutine fraction_of(names, time, column, nano)
-      !> Of all columns
       type(text_type), intent(in) :: names(:)
-      !> The column of the seconds
       integer, intent(in) :: time
       !> 0 where there is none
       integer, intent(out) :: column

@@ -36,13 +36,9 @@ contains
 
    !> Provides a last chunk with a given number of free rows.
    subroutine next_chunk(store, columns, failed, rows, expected)
-      !> May be fresh
       type(store_type), intent(inout) :: store
-      !> Stored columns
       integer, intent(in) :: columns
-      !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
-      !> At least so many
       integer(int64), intent(in) :: rows
       !> So many rows are expected from here on; a new chunk holds them unless it would be too large
       integer(int64), intent(in) :: expected
@@ -59,13 +55,9 @@ contains
 
    !> Appends an empty chunk of any number of rows.
    subroutine add_chunk(store, rows, columns, failed)
-      !> May be fresh
       type(store_type), intent(inout) :: store
-      !> Minimum rows of the chunk
       integer(int64), intent(in) :: rows
-      !> Stored columns
       integer, intent(in) :: columns
-      !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
       integer :: j
 
@@ -103,7 +95,6 @@ contains
 
    !> Rows in the store.
    pure integer(int64) function count_rows(store)
-      !> May be fresh
       type(store_type), intent(in) :: store
 
       count_rows = 0
@@ -122,7 +113,6 @@ contains
       real(dp), allocatable, intent(out) :: value(:, :)
       !> [row], of no length without a time column
       real(dp), allocatable, intent(out) :: stamps(:)
-      !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
       integer(int64) :: at, n
       integer :: i, j
@@ -179,8 +169,7 @@ contains
    !> Where they are not needed again, their memory is given back page by page, and what is copied
    !> next may come to lie in it while the caches still hold it.
    subroutine move_rows(from, to, release)
-      real(dp), intent(inout), contiguous :: from(:)
-      real(dp), intent(inout), contiguous :: to(:)
+      real(dp), intent(inout), contiguous :: from(:), to(:)
       logical, intent(in) :: release
       integer(int64) :: before, first, last, k, n
 

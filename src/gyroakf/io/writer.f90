@@ -113,9 +113,7 @@ contains
 
    !> Writes a text; a failure is kept for [[commit_writer]].
    subroutine put(writer, text)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any text
       character(*), intent(in) :: text
       integer :: from, piece
 
@@ -131,9 +129,7 @@ contains
 
    !> Writes a text and a line feed.
    subroutine put_line(writer, text)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any text
       character(*), intent(in) :: text
 
       call put(writer, text)
@@ -142,9 +138,7 @@ contains
 
    !> Writes a number as [[format_real]] gives it, without allocating.
    subroutine put_real(writer, value, digits)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any number
       real(dp), intent(in) :: value
       !> 1 to 17; 0: as few as read back to the same number
       integer, intent(in) :: digits
@@ -159,9 +153,7 @@ contains
 
    !> Writes numbers as the bytes that they are.
    subroutine put_reals(writer, values)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any numbers
       real(dp), intent(in), contiguous, target :: values(:)
       integer(int64) :: moved
 
@@ -201,7 +193,6 @@ contains
 
    !> Writes the rest and lets the file appear.
    subroutine commit_writer(writer, error)
-      !> Closed afterwards
       type(writer_type), intent(inout) :: writer
       !> io where something could not be written (a full disk, a closed pipe); no file appears
       type(error_type), allocatable, intent(out) :: error
@@ -231,7 +222,6 @@ contains
 
    !> Gives the file up: nothing appears. Harmless after [[commit_writer]].
    subroutine discard_writer(writer)
-      !> Closed afterwards
       type(writer_type), intent(inout) :: writer
       integer(c_int) :: ignored
 
@@ -244,7 +234,6 @@ contains
 
    !> True where a regular file is there, which a new one would replace.
    logical function is_file(path)
-      !> Any path
       character(*), intent(in) :: path
 
       inquire (file=path, exist=is_file)
@@ -253,7 +242,6 @@ contains
 
    !> Removes a file; content where there is none.
    subroutine remove_file(path)
-      !> Any path
       character(*), intent(in) :: path
       integer(c_int) :: ignored
 
@@ -262,7 +250,6 @@ contains
 
    !> Makes a directory and those above it; content where it is there already.
    subroutine make_directory(path, error)
-      !> Any path
       character(*), intent(in) :: path
       !> Allocated where it is not there afterwards: io
       type(error_type), allocatable, intent(out) :: error
