@@ -186,22 +186,20 @@ contains
             return
          end if
          call add_chunk(table%store, rows, table%layout%stored, failed)
-         if (failed /= 0) then
-            call fatal_error(error, status%no_memory, table%name//": no memory for "// &
-               integer_text(rows)//" rows")
-            return
-         end if
-         call fill_chunk(binary, source, table, error, progress)
+         if (failed /= 0) call fatal_error(error, status%no_memory, table%name// &
+            ": no memory for "//integer_text(rows)//" rows")
+         if (.not. allocated(error)) call fill_chunk(binary, source, table, error, progress)
       end do
    end subroutine read_binary_rows
 
-   !> Fills the last chunk.
+   !> Fills the last chunk; behind the last row bytes that follow in a pipe are an error.
    subroutine fill_chunk(binary, source, table, error, progress)
       type(binary_type), intent(inout) :: binary
       type(source_type), intent(inout) :: source
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
+      integer(int8) :: more(1)
       integer(int64) :: got, rows, slice
 
       associate (chunk => table%store%chunk(table%store%count))
@@ -229,23 +227,10 @@ contains
             "it was cut off, or it changed while it was read")
          table%whole = binary%row == binary%rows
       end if
-      if (table%whole .and. .not. allocated(error)) call finish(binary, source, table, error)
-   end subroutine fill_chunk
-
-   !> After the last row: warns of rounded integers; bytes that follow in a pipe are an error.
-   subroutine finish(binary, source, table, error)
-      type(binary_type), intent(inout) :: binary
-      type(source_type), intent(inout) :: source
-      type(table_type), intent(inout) :: table
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8) :: more(1)
-      integer(int64) :: got
-
-      if (table%rows == 0) then
-         call fatal_error(error, status%parse, table%name//": the file is empty"//new_line("a")// &
-                          "check what should have written it")
-         return
-      end if
+      if (.not. table%whole .or. allocated(error)) return
+      if (table%rows == 0) call fatal_error(error, status%parse, table%name// &
+         ": the file is empty"//new_line("a")//"check what should have written it")
+      if (allocated(error)) return
       if (binary%rounded > 0) call add_text(table%warnings, integer_text(binary%rounded)// &
          " of the "//trim(element_name(binary%element))// &
          " values are beyond 2^53 and were rounded to 16 digits")
@@ -256,6 +241,6 @@ contains
          integer_text(place_of(binary))//": bytes follow the array of "// &
          integer_text(binary%rows)//" rows that the header promises"//new_line("a")// &
          "give a file that holds one array")
-   end subroutine finish
+   end subroutine fill_chunk
 
 end module gyroakf_io_binary

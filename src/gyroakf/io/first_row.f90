@@ -2,7 +2,7 @@
 !> The first row of a table in text: it decides how rows are split and which columns there are.
 module gyroakf_io_first_row
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
    use gyroakf_io_commas, only : settle_commas
    use gyroakf_io_stamp_field, only : is_day_first
@@ -42,8 +42,7 @@ contains
       call read_preamble(lines, options, table, error)
       if (allocated(error)) return
       allocate (as_read, source=lines%bytes, stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, &
-         "no memory for the first rows of "//table%name)
+      call check_memory(failed, "the first rows of "//table%name, error)
       if (allocated(error)) return
       call lay_out(lines, options, table, error)
       if (table%layout%marked) call move_alloc(as_read, lines%bytes)
@@ -111,8 +110,7 @@ contains
       end if
       call find_kinds(lines%bytes, fields, table%layout)
       call first_rows(lines%bytes, lines%at, lines%last, table%layout, field, failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, &
-         "no memory for the first rows of "//table%name)
+      call check_memory(failed, "the first rows of "//table%name, error)
       if (allocated(error)) return
       texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), &
          j=1, size(field, 2))]
@@ -149,6 +147,7 @@ contains
       raw = lines%bytes(:lines%to)
       call strip_lines(lines%bytes, lines%at, lines%last, table%layout)
       call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
+      if (fields%count > most_columns) return
       call name_fields(raw, lines%at, fields, table%names, array)
       if (table%names%line == 0) table%names%line = lines%number
       if (array > 0 .and. lines%to + 1 == lines%filled) array = -array

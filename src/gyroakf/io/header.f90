@@ -5,12 +5,12 @@
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int64
    use gyroakf_column_class, only : noteless_length
-   use gyroakf_io_columns, only : column_names_type, read_names
+   use gyroakf_io_columns, only : column_names_type, names_way, read_names
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_number, only : number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
-   use gyroakf_io_text, only : bytes_text, first_visible, last_visible
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, last_visible, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
    use gyroakf_units, only : quantity, recognize_unit, time_scale, unit_type
@@ -123,20 +123,27 @@ contains
       type(text_type), allocatable :: words(:)
       type(unit_type) :: unit
       type(unit_type), allocatable :: each(:), behind(:)             ! of the words, of their ends
-      character(:), allocatable :: value
+      type(fields_type) :: fields
+      character(:), allocatable :: value, word
+      integer(int64) :: to
       integer :: i
 
       value = bytes_text(lines%bytes, first, last)
       value = value(:noteless_length(value))
+      to = first + len(value) - 1
       call recognize_unit(value, unit)
       if (unit%quantity == quantity%unknown) then
-         call split_words(value, words)
+         call split_line(lines%bytes, first, to, names_way(lines%bytes, first, to), fields)
+         allocate (words(0))
+         do i = 1, fields%count
+            word = bytes_text(lines%bytes, fields%first(i), fields%last(i))
+            if (len(word) > 0) call add_text(words, word)
+         end do
          allocate (each(size(words)), behind(size(words)))
          do i = 1, size(words)
-            associate (word => words(i)%text)
-               call recognize_unit(word, each(i))
-               call recognize_unit(word(index(word, " ", back=.true.) + 1:), behind(i))
-            end associate
+            word = words(i)%text
+            call recognize_unit(word, each(i))
+            call recognize_unit(word(index(word, " ", back=.true.) + 1:), behind(i))
          end do
          if (size(words) > 1 .and. any(each%quantity /= quantity%unknown) .and. &
             (all(each%quantity /= quantity%unknown) .or. key == "units")) then
@@ -159,25 +166,6 @@ contains
          if (allocated(header%units)) deallocate (header%units)
       end if
    end subroutine read_unit
-
-   !> Words between commas and semicolons where there are any, else between blanks and tabs.
-   pure subroutine split_words(text, words)
-      character(*), intent(in) :: text
-      type(text_type), allocatable, intent(out) :: words(:)
-      character(:), allocatable :: signs
-      integer :: from, to
-
-      signs = " "//achar(9)
-      if (scan(text, ",;") > 0) signs = ",;"
-      allocate (words(0))
-      from = 1
-      do while (from <= len(text))
-         to = scan(text(from:), signs)
-         to = merge(len(text), from + to - 2, to == 0)
-         if (len_trim(text(from:to)) > 0) call add_text(words, trim(adjustl(text(from:to))))
-         from = to + 2
-      end do
-   end subroutine split_words
 
    subroutine warn(lines, first, key, what, warnings)
       type(lines_type), intent(in) :: lines

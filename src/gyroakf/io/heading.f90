@@ -4,14 +4,13 @@
 module gyroakf_io_heading
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : is_time_name, is_unit
-   use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, &
-      read_names, take_brackets_off
+   use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, read_names
    use gyroakf_io_date, only : is_digit
    use gyroakf_io_column_choice, only : is_text
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : is_missing_field
-   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, &
       has_fields, is_no_row, last_visible, line_feed_from, split, split_line
    implicit none (type, external)
@@ -51,9 +50,12 @@ contains
       character(:), allocatable, intent(out) :: pattern
       type(marks_type), intent(out) :: marks
       type(fields_type) :: fields
-      integer(int8) :: line(last - first + 1)
-      integer :: j
+      integer(int8), allocatable :: line(:)
+      integer :: j, failed
 
+      pattern = ""
+      allocate (line(last - first + 1), stat=failed)
+      if (failed /= 0) return
       line(:) = bytes(first:last)
       if (any(line == iachar(";"))) then
          where (line == iachar(",")) line = iachar(".")                         ! decimal commas
@@ -205,7 +207,7 @@ contains
       type(column_names_type), intent(inout) :: names
       logical, intent(out) :: taken
       type(column_names_type) :: words
-      integer :: i, units, others
+      integer :: i, last, units, others
 
       call read_names(lines%bytes, lines%at, lines%to, lines%number, words)
       taken = count_names(words) == count_names(names)
@@ -213,7 +215,13 @@ contains
       units = 0
       others = 0
       do i = 1, size(words%name)
-         if (scan(words%name(i)%text, "[(") == 1) call take_brackets_off(words%name(i)%text)
+         associate (word => words%name(i)%text)
+            last = len(word)
+            if (scan(word, "[(") == 1) then
+               if (last > 1 .and. scan(word, "])", back=.true.) == last) last = last - 1
+               words%name(i)%text = trim(adjustl(word(2:last)))
+            end if
+         end associate
          if (len(words%name(i)%text) == 0) cycle
          units = units + merge(1, 0, is_unit(words%name(i)%text))
          others = others + merge(0, 1, is_unit(words%name(i)%text))

@@ -70,7 +70,7 @@ contains
       capacity = block_size
       if (has_places(lines%source)) capacity = min(capacity, lines%source%length + 64)
       allocate (lines%bytes(capacity + behind), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a block of "//path)
+      call check_memory(failed, "a block of "//path, error)
       if (allocated(error)) return
       call fill(lines, capacity, error)
       if (allocated(error)) return

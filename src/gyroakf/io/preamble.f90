@@ -123,20 +123,24 @@ contains
       type(column_names_type) :: names
       type(fields_type) :: fields
       type(marks_type) :: marks
-      integer(int8) :: line(lines%to + digits_ahead)
-      integer :: array
+      integer(int8), allocatable :: line(:)
+      integer(int64) :: n
+      integer :: array, stat
 
       skipped = .false.
       if (.not. allocated(options%where)) return
-      line(:lines%to) = lines%bytes(:lines%to)
-      line(lines%to + 1:) = 0_int8                            ! no digits of another line
+      n = lines%to - lines%at + 1
+      allocate (line(n + digits_ahead), source=0_int8, stat=stat)
+      if (stat /= 0) return
+      line(:n) = lines%bytes(lines%at:lines%to)
       names = table%names
-      call find_marks(line, lines%at, lines%to, .true., marks)
-      call split_line(line, lines%at, lines%to, split%mixed, fields)
-      if (marks%labels > 0) call name_fields(lines%bytes, lines%at, fields, names, array)
+      call find_marks(line, 1_int64, n, .true., marks)
+      call split_line(line, 1_int64, n, split%mixed, fields)
+      if (marks%labels > 0 .and. fields%count <= most_columns) call name_fields( &
+         lines%bytes(lines%at:lines%to), 1_int64, fields, names, array)
       call set_condition(options%where, names, most_columns, table%layout, failed)
       if (allocated(failed)) return
-      skipped = .not. is_wanted(line, lines%at, lines%to, table%layout)
+      skipped = .not. is_wanted(line, 1_int64, n, table%layout)
       if (skipped .and. marks%labels > 0 .and. names%known) then
          associate (column => table%layout%where_column, &
             value => options%where(index(options%where, "=", back=.true.) + 1:))

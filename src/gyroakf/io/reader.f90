@@ -7,7 +7,7 @@
 module gyroakf_io_reader
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_column_behavior, only : find_time_and_counters
@@ -131,8 +131,7 @@ contains
       if (.not. table%asked) call list_left_out(table%names, table%class, left, record%warnings)
       slots = pack([(j, j=1, size(keep))], keep)
       call take_columns(table%store, time_slot, slots, record%value, stamps, failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for the record of "// &
-         table%name)
+      call check_memory(failed, "the record of "//table%name, error)
       if (allocated(error)) return
       allocate (record%channel(size(slots)))
       do j = 1, size(slots)

@@ -57,6 +57,9 @@ contains
       type(recording_type), intent(out) :: recording
       !> Allocated on failure: io, parse, invalid_argument, not_supported, no_memory
       type(error_type), allocatable, intent(out) :: error
+      type(content_type) :: content
+      type(element_type) :: element
+      logical :: raw, other
 
       call check_options(options, error)
       if (allocated(error)) return
@@ -68,17 +71,6 @@ contains
       if (.not. allocated(options%unit)) recording%options%unit = ""
       if (.not. allocated(options%resample)) recording%options%resample = "index"
       if (.not. allocated(options%format)) recording%options%format = "auto"
-      call begin_rows(path, recording, error)
-   end subroutine open_recording
-
-   subroutine begin_rows(path, recording, error)
-      character(*), intent(in) :: path
-      type(recording_type), intent(inout) :: recording
-      type(error_type), allocatable, intent(out) :: error
-      type(content_type) :: content
-      type(element_type) :: element
-      logical :: raw, other
-
       call parse_element(recording%options%format, element, raw)
       if (raw) then
          call begin_numbers_only(path, element, recording, error)
@@ -118,7 +110,7 @@ contains
          if (other) call add_text(recording%table%warnings, &
             "the name ends in ."//content%ending//", but the content is text and is read as such")
       end select
-   end subroutine begin_rows
+   end subroutine open_recording
 
    subroutine begin_numbers_only(path, element, recording, error)
       character(*), intent(in) :: path

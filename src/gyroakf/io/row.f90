@@ -7,7 +7,7 @@ module gyroakf_io_row
    use gyroakf_io_date, only : scan_stamp, stamp_kind
    use gyroakf_io_stamp_field, only : kind_of_field
    use gyroakf_io_commas, only : comma_advice, comma_found, decimal_comma
-   use gyroakf_io_layout, only : layout_type, problem_type
+   use gyroakf_io_rows, only : layout_type, problem_type
    use gyroakf_io_number, only : is_missing_field, number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
    use gyroakf_io_text, only : bytes_text, fields_type, has_fields, split, split_line

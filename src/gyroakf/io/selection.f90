@@ -7,7 +7,7 @@ module gyroakf_io_selection
    use gyroakf_error, only : error_type
    use gyroakf_io_column_choice, only : find_column
    use gyroakf_io_columns, only : column_names_type, label_of
-   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_row, only : agrees, split_row

@@ -4,9 +4,9 @@
 !> Regular files are read by the system's `pread`, by several threads at a time, up to the length
 !> that they had when they were opened; where that cut a line, to the end of this line. A file that
 !> becomes shorter meanwhile is an error. Anything that may deliver in pieces (`-`, FIFOs, devices)
-!> is read by `read` until it says that there is no more. Reads that a signal interrupts are resumed.
-!> gzip data are recognized by their first bytes, wherever they come from, and decompressed in order;
-!> their length is unknown.
+!> is read by `read` until there is no more. Reads that a signal interrupts are resumed. gzip data
+!> are recognized by their first bytes, wherever they come from, and decompressed in order; their
+!> length is unknown.
 module gyroakf_io_source
    use, intrinsic :: iso_c_binding, only : c_int, c_loc, c_long, c_null_char, c_short, c_size_t
    use gyroakf_kinds, only : int8, int64

@@ -8,9 +8,8 @@ module gyroakf_io_span
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_selection, only : is_wanted
-   use gyroakf_io_layout, only : layout_type, problem_type
    use gyroakf_io_row, only : read_row
-   use gyroakf_io_rows, only : parse_rows
+   use gyroakf_io_rows, only : layout_type, parse_rows, problem_type
    use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_no_row, &
       last_visible, line_end_from, line_feed_from
    implicit none (type, external)

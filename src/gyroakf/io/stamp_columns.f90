@@ -7,7 +7,7 @@ module gyroakf_io_stamp_columns
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_date, only : is_digit, stamp_kind
    use gyroakf_io_stamp_field, only : kind_of_field, stamp_origin
-   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_row, only : join_fields
    use gyroakf_io_table, only : set_slots, table_type
    use gyroakf_io_text, only : fields_type

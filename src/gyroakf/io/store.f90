@@ -10,7 +10,7 @@ module gyroakf_io_store
       values_before_page
    implicit none (type, external)
    private
-   public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
+   public :: chunk_rows, store_type, next_chunk, add_chunk, count_rows, take_columns
 
    !> Minimum rows of a chunk where the number of rows to come is unknown
    integer(int64), parameter :: chunk_rows = 65536
@@ -59,10 +59,21 @@ contains
       integer(int64), intent(in) :: rows
       integer, intent(in) :: columns
       integer, intent(out) :: failed
-      integer :: j
+      type(chunk_type), allocatable :: longer(:)
+      integer :: i, j
 
-      call lengthen(store, failed)
+      failed = 0
+      if (.not. allocated(store%chunk)) allocate (store%chunk(16), stat=failed)
       if (failed /= 0) return
+      if (store%count == size(store%chunk)) then
+         allocate (longer(2*store%count), stat=failed)
+         if (failed /= 0) return
+         do i = 1, store%count
+            longer(i)%rows = store%chunk(i)%rows
+            call move_alloc(store%chunk(i)%value, longer(i)%value)
+         end do
+         call move_alloc(longer, store%chunk)
+      end if
       associate (chunk => store%chunk(store%count + 1))
          allocate (chunk%value(rows, columns), stat=failed)
          if (failed /= 0) return
@@ -72,26 +83,6 @@ contains
          end do
       end associate
    end subroutine add_chunk
-
-   !> Lengthens the list for one chunk more.
-   subroutine lengthen(store, failed)
-      type(store_type), intent(inout) :: store
-      integer, intent(out) :: failed
-      type(chunk_type), allocatable :: longer(:)
-      integer :: i
-
-      failed = 0
-      if (.not. allocated(store%chunk)) allocate (store%chunk(16), stat=failed)
-      if (failed /= 0) return
-      if (store%count < size(store%chunk)) return
-      allocate (longer(2*store%count), stat=failed)
-      if (failed /= 0) return
-      do i = 1, store%count
-         longer(i)%rows = store%chunk(i)%rows
-         call move_alloc(store%chunk(i)%value, longer(i)%value)
-      end do
-      call move_alloc(longer, store%chunk)
-   end subroutine lengthen
 
    !> Rows in the store.
    pure integer(int64) function count_rows(store)

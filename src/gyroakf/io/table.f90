@@ -9,7 +9,7 @@ module gyroakf_io_table
    use gyroakf_io_columns, only : column_names_type, count_names, label_of, most_columns
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_header, only : header_type
-   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_lines, only : line_map_type
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : reader_options

@@ -8,7 +8,7 @@ module gyroakf_io_text_rows
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_io_commas, only : make_points
-   use gyroakf_io_layout, only : layout_type, problem_type
+   use gyroakf_io_rows, only : layout_type, problem_type
    use gyroakf_io_lines, only : lines_type, map_row, more_lines
    use gyroakf_io_marks, only : strip_lines
    use gyroakf_io_place, only : integer_text, place_error
