@@ -5,7 +5,7 @@ module test_text
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_commas, only : decimal_comma
    use gyroakf_io_columns, only : column_names_type
-   use gyroakf_io_format, only : content_type, recognise
+   use gyroakf_io_format, only : content_type, recognize_content
    use gyroakf_io_labels, only : name_fields
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_place, only : place_error
@@ -163,7 +163,7 @@ contains
       character(*), intent(in) :: bytes, name, kind, what
       type(content_type) :: content
 
-      call recognise(bytes_of(bytes), name, content)
+      call recognize_content(bytes_of(bytes), name, content)
       call check(error, trim(content%kind), kind)
       if (allocated(error) .or. len(what) == 0) return
       call check(error, content%what, what)

@@ -126,31 +126,35 @@ contains
       character(*), intent(in) :: words
       !> In lower case, with blanks between its words
       character(*), intent(in) :: list
+      character(len(list) + 2) :: parted
+      integer :: from, to
 
-      has_word = has_any(words, list, " ")
+      parted = " "//list
+      has_word = .false.
+      from = 1
+      do while (from < len(words) .and. .not. has_word)
+         to = from + index(words(from + 1:), " ")
+         has_word = index(parted, words(from:to)) > 0
+         from = to
+      end do
    end function has_word
 
    !> True where one of the words begins with one of a list.
    pure logical function has_beginning(words, list)
       !> As those of [[has_word]]
       character(*), intent(in) :: words, list
-
-      has_beginning = has_any(words, list, "")
-   end function has_beginning
-
-   pure logical function has_any(words, list, behind)
-      character(*), intent(in) :: words, list, behind
+      character(len(list) + 2) :: parted
       integer :: from, to
 
-      has_any = .false.
+      parted = " "//list
+      has_beginning = .false.
       from = 1
-      do while (from <= len(list) .and. .not. has_any)
-         to = index(list(from:), " ")
-         to = merge(len(list), from + to - 2, to == 0)
-         has_any = index(words, " "//list(from:to)//behind) > 0
-         from = to + 2
+      do while (from < len(parted) .and. .not. has_beginning)
+         to = from + index(parted(from + 1:), " ")
+         has_beginning = index(words, parted(from:to - 1)) > 0
+         from = to
       end do
-   end function has_any
+   end function has_beginning
 
    !> True for the names that mean a time: t, time_ms, TimeUS, SampleTimeFine, gps_tow_s, epoch,
    !> UTC.

@@ -265,6 +265,7 @@ contains
 
       plain = lower(plain)
       do i = 1, size(signs, 2)
+         if (index(plain, signs(1, i)(:1)) == 0) cycle
          call replace_all(plain, trim(signs(1, i)), trim(signs(2, i)))
       end do
       do i = 1, len(dropped)

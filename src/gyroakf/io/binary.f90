@@ -34,14 +34,12 @@ contains
    subroutine begin_raw(source, path, options, channels, element, binary, table, error)
       !> To be closed by [[close_source]], after a failure too
       type(source_type), intent(out) :: source
-      !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> What is wanted; `skip` counts bytes
       type(reader_options), intent(in) :: options
       integer(int64), intent(in) :: channels
       type(element_type), intent(in) :: element
       type(binary_type), intent(out) :: binary
-      !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: io, parse, invalid_argument
       type(error_type), allocatable, intent(out) :: error
@@ -74,7 +72,6 @@ contains
       type(lines_type), intent(in) :: lines
       type(reader_options), intent(in) :: options
       type(binary_type), intent(out) :: binary
-      !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: io, parse, invalid_argument, not_supported
       type(error_type), allocatable, intent(out) :: error
@@ -161,7 +158,6 @@ contains
       type(source_type), intent(inout) :: source
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
-      !> Its store grows
       type(table_type), intent(inout) :: table
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error

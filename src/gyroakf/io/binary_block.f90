@@ -55,7 +55,6 @@ contains
       !> Its place stays; integers that lose digits are counted
       type(binary_type), intent(inout) :: binary
       type(source_type), intent(inout) :: source
-      !> Its columns are chosen
       type(table_type), intent(in) :: table
       !> [row, stored column]
       real(dp), intent(inout), contiguous :: value(:, :)
@@ -164,7 +163,6 @@ contains
       end if
    end subroutine read_part
 
-   !> Converts rows that are at hand.
    subroutine spread_rows(binary, address, column, piece, from, to, value, rounded)
       type(binary_type), intent(in) :: binary
       type(c_ptr), intent(in) :: address

@@ -125,7 +125,6 @@ contains
       if (.not. cadence%regular) call use_mean(t, cadence)
    end subroutine find_step
 
-   !> The bin of a step.
    pure integer function bin_of(step)
       real(dp), intent(in) :: step
       integer(int64), parameter :: lowest = shiftl(1023_int64 - octaves/2, mantissa_bits) - 1

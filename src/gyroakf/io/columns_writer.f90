@@ -107,7 +107,11 @@ contains
          if (layout%form /= "text") then
             call put_binary(writer, columns, at, min(rows, at + piece_rows*pieces - 1))
          else
-            call spell_pieces(columns, at, piece_rows, rows, layout%separator, piece)
+            !$omp parallel do schedule(dynamic)
+            do k = 1, pieces
+               call spell_rows(columns, at + (k - 1)*piece_rows, min(rows, at + k*piece_rows - 1), &
+                  layout%separator, piece(k)%text, piece(k)%used)
+            end do
             do k = 1, pieces
                call put(writer, piece(k)%text(:piece(k)%used))
             end do
@@ -118,22 +122,6 @@ contains
       end do
    end subroutine put_rows
 
-   !> Pieces of so many rows as text, each by one thread.
-   subroutine spell_pieces(columns, first, piece_rows, last, separator, piece)
-      type(column_type), intent(in) :: columns(:)
-      integer(int64), intent(in) :: first, piece_rows, last
-      character(1), intent(in) :: separator
-      type(piece_type), intent(inout) :: piece(:)
-      integer :: k
-
-      !$omp parallel do schedule(dynamic)
-      do k = 1, size(piece)
-         call spell_rows(columns, first + (k - 1)*piece_rows, min(last, first + k*piece_rows - 1), &
-            separator, piece(k)%text, piece(k)%used)
-      end do
-   end subroutine spell_pieces
-
-   !> Rows as text.
    subroutine spell_rows(columns, first, last, separator, text, used)
       type(column_type), intent(in) :: columns(:)
       integer(int64), intent(in) :: first, last
@@ -184,7 +172,6 @@ contains
       end do
    end subroutine put_binary
 
-   !> An array without missing samples.
    pure logical function is_whole(column)
       type(column_type), intent(in) :: column
 
@@ -250,7 +237,6 @@ contains
       end if
    end subroutine write_record
 
-   !> The lines that begin with "# "
    subroutine put_header(writer, record, header)
       type(writer_type), intent(inout) :: writer
       type(record_type), intent(in) :: record

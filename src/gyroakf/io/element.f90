@@ -184,7 +184,6 @@ contains
       if (btest(bits, 15)) half = -half
    end function half
 
-   !> Single precision.
    elemental real(dp) function single(bits)
       integer(int32), intent(in) :: bits
 
@@ -195,7 +194,6 @@ contains
       end if
    end function single
 
-   !> Double precision.
    elemental real(dp) function double(bits)
       integer(int64), intent(in) :: bits
 

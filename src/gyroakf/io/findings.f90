@@ -12,12 +12,12 @@ module gyroakf_io_findings
    use gyroakf_units, only : quantity, unit_type
    implicit none (type, external)
    private
-   public :: tell, survey_columns
+   public :: add_findings, survey_columns
 
 contains
 
    !> Lines of what is odd, and the warnings about it.
-   subroutine tell(table, record)
+   subroutine add_findings(table, record)
       type(table_type), intent(in) :: table
       type(record_type), intent(inout) :: record
       character(13), parameter :: what(3) = [character(13) :: "equal stamp", "backward step", "gap"]
@@ -69,7 +69,7 @@ contains
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
          " could not be read and "//trim(merge("counts", "count ", table%bad_lines == 1))// &
          " as missing; the first is line "//integer_text(table%first_bad_line))
-   end subroutine tell
+   end subroutine add_findings
 
    !> Double steps at even distances: two sample rates, one with lost samples, explain the stamps.
    subroutine explain_rates(record)

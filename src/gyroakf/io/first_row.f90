@@ -4,7 +4,7 @@ module gyroakf_io_first_row
    use gyroakf_kinds, only : int8, int64
    use gyroakf_error, only : check_memory, error_type
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
-   use gyroakf_io_commas, only : settle_commas
+   use gyroakf_io_commas, only : choose_commas
    use gyroakf_io_stamp_field, only : is_day_first
    use gyroakf_io_column_choice, only : is_text
    use gyroakf_io_lines, only : lines_type, map_row
@@ -30,7 +30,6 @@ contains
    subroutine begin_table(lines, options, table, error)
       type(lines_type), intent(inout) :: lines
       type(reader_options), intent(in) :: options
-      !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: io, parse, invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -62,7 +61,7 @@ contains
 
       call take_marks(lines, table, error)
       if (allocated(error)) return
-      call settle_commas(lines, options%decimal_comma, table, error)
+      call choose_commas(lines, options%decimal_comma, table, error)
       if (allocated(error)) return
       call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
       if (fields%count > most_columns) call place_error(error, table%name, lines%number, &

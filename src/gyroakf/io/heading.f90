@@ -11,12 +11,12 @@ module gyroakf_io_heading
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : is_missing_field
    use gyroakf_io_rows, only : layout_type
-   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, &
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, &
       has_fields, is_no_row, last_visible, line_feed_from, split, split_line
    implicit none (type, external)
    private
-   public :: only_words, find_pattern, alike, is_setting, labels_are_names, begins_with_names, &
-      suppose_names, suppose_record_names, take_heading
+   public :: only_words, find_pattern, alike, is_setting, labels_are_names, suppose_names, &
+      suppose_record_names, take_heading
 
    !> So many lines below one that may be a setting are looked at
    integer, parameter :: most_ahead = 256
@@ -24,23 +24,23 @@ module gyroakf_io_heading
 contains
 
    !> True for a line that holds words and nothing like a number: names of columns.
-   logical function only_words(lines)
-      type(lines_type), intent(in) :: lines
+   pure logical function only_words(bytes, first, last)
+      !> Holds the line and its end
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
       type(fields_type) :: fields
       integer :: i
+      logical :: numbers
 
       only_words = .false.
-      call split_line(lines%bytes, lines%at, lines%to, &
-         names_way(lines%bytes, lines%at, lines%to), fields)
+      numbers = .false.
+      call split_line(bytes, first, last, names_way(bytes, first, last), fields)
       do i = 1, fields%count
          if (fields%last(i) < fields%first(i)) cycle
-         if (begins_like_number(lines%bytes, fields%first(i))) then
-            only_words = .false.
-            return
-         end if
-         only_words = only_words .or. &
-            .not. is_missing_field(lines%bytes, fields%first(i), fields%last(i))
+         numbers = numbers .or. begins_like_number(bytes, fields%first(i))
+         only_words = only_words .or. .not. is_missing_field(bytes, fields%first(i), fields%last(i))
       end do
+      only_words = only_words .and. .not. numbers
    end function only_words
 
    !> What the fields of a line hold: "n" a number, right or wrong, "t" a word, "-" a missing one.
@@ -152,16 +152,6 @@ contains
          scan(pattern(j:j)//other(j:j), "- ") > 0, j=1, len(pattern))])
    end function alike
 
-   !> True for names between semicolons of which the first is empty.
-   logical function begins_with_names(lines)
-      type(lines_type), intent(in) :: lines
-
-      begins_with_names = begins_with_semicolon(lines%bytes, lines%at, lines%to)
-      if (begins_with_names) begins_with_names = &
-         count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1
-      if (begins_with_names) begins_with_names = only_words(lines)
-   end function begins_with_names
-
    !> True for a byte that a name does not begin with, perhaps behind brackets: what begins so, or
    !> with U+2212, is a number, right or wrong.
    pure recursive logical function begins_like_number(bytes, at) result(begins)
@@ -239,7 +229,6 @@ contains
       type(column_names_type), intent(inout) :: supposed
       type(column_names_type) :: names
       integer(int64) :: from, to
-      integer :: i
 
       if (scan(bytes_text(lines%bytes, lines%at, lines%to), ":=") > 0) return
       from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "// &
@@ -250,13 +239,7 @@ contains
       if (count_names(names) < 2) return
       if (names_way(lines%bytes, from, to) == split%mixed .and. &
          .not. is_time_name(names%name(1)%text, "")) return
-      do i = 1, size(names%name)
-         if (len(names%name(i)%text) == 0) cycle
-         if (scan(names%name(i)%text(1:1), "+-0123456789") > 0) return
-         if (names%name(i)%text(1:1) == "." .and. &
-            scan(names%name(i)%text, "0123456789") == 2) return
-      end do
-      supposed = names
+      if (only_words(lines%bytes, from, to)) supposed = names
    end subroutine suppose_names
 
    !> Takes the words behind the name of a record for the names of its fields: `FMT, 134, 51, IMU,
@@ -268,7 +251,6 @@ contains
       integer(int8), intent(in), contiguous :: record(:)
       !> Left alone where there are no words behind the name, or numbers among them
       type(column_names_type), intent(inout) :: supposed
-      type(column_names_type) :: names
       integer :: j
 
       do j = 1, fields%count - 2
@@ -276,12 +258,9 @@ contains
          if (all(bytes(fields%first(j):fields%last(j)) == record)) exit
       end do
       if (j > fields%count - 2) return
-      call read_names(bytes, fields%first(j + 1), fields%last(fields%count), line, names)
-      do j = 1, size(names%name)
-         if (verify(names%name(j)%text(:min(1, len(names%name(j)%text))), &
-            "+-.0123456789") == 0) return
-      end do
-      supposed = names
+      associate (first => fields%first(j + 1), last => fields%last(fields%count))
+         if (only_words(bytes, first, last)) call read_names(bytes, first, last, line, supposed)
+      end associate
    end subroutine suppose_record_names
 
 end module gyroakf_io_heading

@@ -56,7 +56,6 @@ contains
    subroutine open_lines(lines, path, error, bytes)
       !> Its source is to be closed by [[close_source]]
       type(lines_type), intent(out) :: lines
-      !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> Allocated where it cannot be opened or read: io, no_memory
       type(error_type), allocatable, intent(out) :: error

@@ -94,7 +94,6 @@ contains
       end do
    end subroutine follow_lag
 
-   !> Finds where the lag rises.
    pure subroutine find_gaps(t, level, rows, interval, rise, usual, gaps)
       !> Stamps, s; means of blocks of so many, or the stamps themselves
       real(dp), intent(in), contiguous :: t(:), level(:)
@@ -144,10 +143,9 @@ contains
       end do
    end subroutine find_gaps
 
-   !> Where and by how much the lag rises in a stretch: the step of least squares.
+   !> Where and by how much the lag rises behind sample `first`: the step of least squares.
    pure subroutine place_rise(t, first, last, rate, usual, before, lost)
       real(dp), intent(in), contiguous :: t(:)
-      !> The sample before the stretch, and its last one
       integer(int64), intent(in) :: first, last
       real(dp), intent(in) :: rate, usual
       !> The sample behind the longest step near it; 0 samples where that step is too short
@@ -256,13 +254,13 @@ contains
       gaps%count = 0
    end subroutine explain_losses
 
-   !> What the losses look like; lost samples where no beat is possible, with a fine clock.
+   !> What the losses look like, and the samples from loss to loss where most are alike, else 0.
+   !> Where no beat is possible, with a fine clock, samples were lost.
    pure subroutine loss_pattern(gaps, cadence, n, found, distance)
       type(gap_type), intent(in) :: gaps
       type(cadence_type), intent(in) :: cadence
       integer(int64), intent(in) :: n
       integer, intent(out) :: found
-      !> Samples from loss to loss where most are alike, 0 where none are
       integer(int64), intent(out) :: distance
       !> A clock that runs so much fast or slow explains up to three double steps, several at even
       !> distances from each other and no farther from the ends

@@ -12,7 +12,7 @@ module gyroakf_io_reader
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_column_behavior, only : find_time_and_counters
    use gyroakf_io_columns, only : has_name, label_of
-   use gyroakf_io_findings, only : survey_columns, tell
+   use gyroakf_io_findings, only : add_findings, survey_columns
    use gyroakf_io_column_choice, only : list_left_out
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text, line_error
@@ -101,7 +101,7 @@ contains
          if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, &
             error, progress)
          if (.not. allocated(error)) call refuse_tiny(record, error)
-         if (.not. allocated(error)) call tell(table, record)
+         if (.not. allocated(error)) call add_findings(table, record)
       end associate
    end subroutine complete_record
 

@@ -8,7 +8,7 @@ module gyroakf_io_recording
    use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_first_row, only : begin_table
-   use gyroakf_io_format, only : content_type, recognise
+   use gyroakf_io_format, only : content_type, recognize_content
    use gyroakf_io_lines, only : lines_type, open_lines
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : check_options, reader_options
@@ -50,7 +50,6 @@ contains
 
    !> Opens a recording and reads what stands above its rows.
    subroutine open_recording(path, options, recording, error)
-      !> A path; "-" is standard input
       character(*), intent(in) :: path
       type(reader_options), intent(in) :: options
       !> To be closed by [[close_recording]], after a failure too
@@ -141,8 +140,8 @@ contains
             "check what should have written it")
          if (allocated(error)) return
          ending = index(lower(name)//" ", ".gz ") - 1
-         call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), &
-            content)
+         call recognize_content(lines%bytes(:lines%filled), &
+            name(:merge(ending, len(name), ending > 0)), content)
          if (content%kind == "foreign") then
             if (associated(lines%source%inflater)) content%advice = &
                "decompress it first (gzip -dk), then: "//content%advice

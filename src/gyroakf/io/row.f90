@@ -15,8 +15,6 @@ module gyroakf_io_row
    private
    public :: read_row, split_row, join_fields, agrees, excerpt
 
-   !> The minus sign of mathematics, in UTF-8
-   character(*), parameter :: dash = char(226)//char(136)//char(146)
    character(*), parameter :: mend = "mend the line"
    integer(int8), parameter :: tab = 9, carriage_return = 13
 
@@ -152,60 +150,43 @@ contains
       logical, intent(out) :: wrong
       integer(int64) :: p
       real(dp) :: x
-      integer :: found
+      integer :: kind, found
+      logical :: stamped
 
       wrong = .false.
-      if (layout%kind(column) /= stamp_kind%number) then
-         call read_stamp(bytes, first, last, layout, column, value, wrong)
-         return
-      end if
-      if (last < first) return
-      p = first
-      call scan_number(bytes, p, x, found)
-      if (found /= number%none .and. p == last + 1) then
-         value = x
-         wrong = found == number%overflow
-      else
-         wrong = .not. is_missing_field(bytes, first, last)
-      end if
-   end subroutine read_field
-
-   pure subroutine read_stamp(bytes, first, last, layout, column, value, wrong)
-      integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      type(layout_type), intent(in) :: layout
-      integer, intent(in) :: column
-      real(dp), intent(inout) :: value
-      logical, intent(out) :: wrong
-      integer(int64) :: p
-      integer :: kind, plain
-      real(dp) :: x
-      logical :: found
-
-      wrong = .false.
+      stamped = .false.
       kind = abs(layout%kind(column))
-      found = .false.
-      if (last >= first) then
-         p = first
+      p = first
+      if (last < first) then
+         continue
+      else if (kind == stamp_kind%number) then
+         call scan_number(bytes, p, x, found)
+         if (found /= number%none .and. p == last + 1) then
+            value = x
+            wrong = found == number%overflow
+         else
+            wrong = .not. is_missing_field(bytes, first, last)
+         end if
+      else
          if (first > 1) then
             if (bytes(first - 1) == 34 .or. bytes(first - 1) == 39) p = first - 1
          end if
-         call scan_stamp(bytes, p, kind, layout%origin, x, found)
-         if (found) found = p > last .and. p <= last + 2
-         if (.not. found .and. kind == stamp_kind%long) then
+         call scan_stamp(bytes, p, kind, layout%origin, x, stamped)
+         if (stamped) stamped = p > last .and. p <= last + 2
+         if (.not. stamped .and. kind == stamp_kind%long) then
             p = first
-            call scan_number(bytes, p, x, plain)
-            found = plain == number%ok .and. p == last + 1
+            call scan_number(bytes, p, x, found)
+            stamped = found == number%ok .and. p == last + 1
             x = x - real(layout%origin, dp)
          end if
-         if (.not. found) wrong = .not. is_missing_field(bytes, first, last)
+         if (.not. stamped) wrong = .not. is_missing_field(bytes, first, last)
       end if
-      if (found .and. layout%kind(column) < 0) x = value + x
-      if (.not. found) x = ieee_value(1.0_dp, ieee_quiet_nan)
-      if (.not. wrong) value = x
-   end subroutine read_stamp
+      if (kind == stamp_kind%number .or. wrong) return
+      if (stamped .and. layout%kind(column) < 0) x = value + x
+      if (.not. stamped) x = ieee_value(1.0_dp, ieee_quiet_nan)
+      value = x
+   end subroutine read_field
 
-   !> What is wrong with the field in first:last.
    subroutine field_problem(bytes, first, last, layout, column, problem)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
@@ -242,7 +223,7 @@ contains
             advice = "hexadecimal digits are not read: decode them into numbers first"
          else if (has_groups(text)) then
             advice = "commas that group digits are not read: take them out"
-         else if (index(text, dash) > 0) then
+         else if (index(text, char(226)//char(136)//char(146)) > 0) then                 ! U+2212
             advice = "the minus sign is not that of ASCII: replace it by '-'"
          end if
       end if
@@ -312,7 +293,6 @@ contains
          fields%count == 1)) //" where the rows above have "//integer_text(layout%columns), advice)
    end subroutine count_problem
 
-   !> Fills the problem.
    pure subroutine set_problem(problem, at, what, advice)
       type(problem_type), intent(inout) :: problem
       integer(int64), intent(in) :: at

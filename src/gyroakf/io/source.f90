@@ -112,7 +112,6 @@ contains
       reason = trim(adjustl(message(index(message, ": ", back=.true.) + 1:)))
    end subroutine find_reason
 
-   !> Prepares the decompression of gzip data.
    subroutine find_gzip(source, error)
       type(source_type), intent(inout) :: source
       type(error_type), allocatable, intent(out) :: error

@@ -14,7 +14,7 @@ module gyroakf_io_span
       last_visible, line_end_from, line_feed_from
    implicit none (type, external)
    private
-   public :: span_type, read_span, copy_rows
+   public :: span_type, read_span
 
    !> What was met among some lines
    type :: tally_type
@@ -174,18 +174,5 @@ contains
       if (to - from + 1 /= size(layout%heading)) return
       is_heading = all(bytes(from:to) == layout%heading)
    end function is_heading
-
-   !> Copies the rows of a span behind a row of a chunk.
-   pure subroutine copy_rows(span, before, value)
-      type(span_type), intent(in) :: span
-      integer(int64), intent(in) :: before
-      !> [row, stored column]
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer :: j
-
-      do j = 1, merge(size(value, 2), 0, span%rows > 0)
-         value(before + 1:before + span%rows, j) = span%value(:span%rows, j)
-      end do
-   end subroutine copy_rows
 
 end module gyroakf_io_span

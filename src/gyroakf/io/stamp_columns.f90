@@ -103,7 +103,6 @@ contains
       call set_slots(partner, table)
    end subroutine pair_stamps
 
-   !> True where a field is a whole number.
    pure logical function all_digits(bytes, fields, column)
       integer(int8), intent(in), contiguous :: bytes(:)
       type(fields_type), intent(in) :: fields

@@ -107,9 +107,14 @@ contains
       integer, intent(out) :: failed
       integer(int64) :: at, n
       integer :: i, j
+      logical :: single
 
       n = count_rows(store)
-      if (is_record(store, n, columns)) then
+      single = store%count == 1                   ! a chunk that holds just the columns wanted
+      if (single) single = size(store%chunk(1)%value, 1, kind=int64) == n .and. &
+         size(store%chunk(1)%value, 2) == size(columns)
+      if (single) single = all(columns == [(j, j=1, size(columns))])
+      if (single) then
          allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
          if (failed /= 0) return
          if (time_slot > 0) stamps(:) = store%chunk(1)%value(:, time_slot)
@@ -142,19 +147,6 @@ contains
       end do
       store%count = 0
    end subroutine take_columns
-
-   !> True where a single chunk holds exactly the columns that are wanted.
-   pure logical function is_record(store, rows, columns)
-      type(store_type), intent(in) :: store
-      integer(int64), intent(in) :: rows
-      integer, intent(in) :: columns(:)
-      integer :: j
-
-      is_record = store%count == 1
-      if (is_record) is_record = size(store%chunk(1)%value, 1, kind=int64) == rows &
-                                 .and. size(store%chunk(1)%value, 2) == size(columns)
-      if (is_record) is_record = all(columns == [(j, j=1, size(columns))])
-   end function is_record
 
    !> Copies rows, by several threads: the first touch of the memory takes longer than the copying.
    !> Where they are not needed again, their memory is given back page by page, and what is copied

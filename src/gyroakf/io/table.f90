@@ -69,7 +69,6 @@ contains
       character(*), intent(in) :: name
       integer(int64), intent(in) :: columns
       type(reader_options), intent(in) :: options
-      !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: invalid_argument, parse
       type(error_type), allocatable, intent(out) :: error
@@ -181,7 +180,6 @@ contains
    subroutine set_slots(partner, table)
       !> The column beside the time's that is kept with it, 0 for none
       integer, intent(in) :: partner
-      !> Its columns are chosen
       type(table_type), intent(inout) :: table
       integer :: i
 

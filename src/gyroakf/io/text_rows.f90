@@ -14,7 +14,7 @@ module gyroakf_io_text_rows
    use gyroakf_io_place, only : integer_text, place_error
    use gyroakf_io_row, only : read_row
    use gyroakf_io_source, only : has_places, source_left
-   use gyroakf_io_span, only : copy_rows, read_span, span_type
+   use gyroakf_io_span, only : read_span, span_type
    use gyroakf_io_store, only : count_rows, next_chunk
    use gyroakf_io_table, only : table_type
    use gyroakf_io_text, only : fields_type, line_end_from, line_feed_from
@@ -33,7 +33,6 @@ contains
       type(lines_type), intent(inout) :: lines
       !> So many rows in the store are enough
       integer(int64), intent(in) :: most
-      !> Its store grows
       type(table_type), intent(inout) :: table
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -157,7 +156,9 @@ contains
       associate (chunk => table%store%chunk(table%store%count))
          !$omp parallel do schedule(dynamic) if(size(span) > 1)
          do k = 1, size(span)
-            call copy_rows(span(k), chunk%rows + before(k), chunk%value)
+            associate (at => chunk%rows + before(k), n => span(k)%rows)
+               if (n > 0) chunk%value(at + 1:at + n, :) = span(k)%value(:n, :)
+            end associate
          end do
          !$omp end parallel do
          chunk%rows = chunk%rows + rows

@@ -163,7 +163,6 @@ contains
          8*size(values, kind=int64), moved, writer%failed)
    end subroutine put_reals
 
-   !> Hands the buffer to the system.
    subroutine flush_buffer(writer)
       type(writer_type), intent(inout), target :: writer
       integer(int64) :: moved
@@ -188,7 +187,7 @@ contains
       if (writer%unit > 1) writer%failed = c_close(writer%unit) /= 0 .or. writer%failed
       writer%unit = -1
       writer%complete = .not. writer%failed
-      if (writer%failed) call give_up(writer, error)
+      if (writer%failed) call remove_failed(writer, error)
    end subroutine complete_writer
 
    !> Writes the rest and lets the file appear.
@@ -203,11 +202,11 @@ contains
       if (writer%aside /= writer%path) then
          writer%failed = c_rename(writer%aside//c_null_char, writer%path//c_null_char) /= 0
       end if
-      if (writer%failed) call give_up(writer, error)
+      if (writer%failed) call remove_failed(writer, error)
    end subroutine commit_writer
 
    !> Removes what was written aside and says why.
-   subroutine give_up(writer, error)
+   subroutine remove_failed(writer, error)
       type(writer_type), intent(in) :: writer
       type(error_type), allocatable, intent(out) :: error
 
@@ -218,7 +217,7 @@ contains
       else
          call fatal_error(error, status%io, writer%path//": cannot be written: is the disk full?")
       end if
-   end subroutine give_up
+   end subroutine remove_failed
 
    !> Gives the file up: nothing appears. Harmless after [[commit_writer]].
    subroutine discard_writer(writer)
