@@ -8,7 +8,7 @@ module gyroakf_app_driver
    use gyroakf_threads, only : set_thread_count
    use gyroakf_utf8, only : make_readable
    use gyroakf_error, only : error_type, exit_code, fatal_error, status
-   use gyroakf_io_record_writer, only : write_record
+   use gyroakf_io_columns_writer, only : write_record
    use gyroakf_io_writer, only : writer_type, open_writer, put, commit_writer
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type

@@ -16,7 +16,7 @@ module gyroakf
    use gyroakf_coefficient_units, only : coefficient_unit_type, coefficient_unit, density_unit, &
       coefficient_definition
    use gyroakf_io_reader, only : reader_options, read_record
-   use gyroakf_io_record_writer, only : write_record
+   use gyroakf_io_columns_writer, only : write_record
    use gyroakf_io_writer, only : writer_type, open_writer, put_line, commit_writer, discard_writer
    ! Simulated records and random numbers
    use gyroakf_random, only : random_type, seed_random, next_uniform, next_normal, fill_normal

@@ -8,12 +8,12 @@ module test_record_writer
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status, gyro_error => error_type
    use gyroakf_record, only : record_type, text_type, add_text
-   use gyroakf_io_record_writer, only : write_record
    use scratch_file, only : scratch_path, read_bytes, remove_file, file_exists
    use gyroakf_threads, only : thread_count, set_thread_count
    use gyroakf_progress, only : progress_type
    use progress_watch, only : watch_type
-   use gyroakf_io_columns_writer, only : column_type, form_of, put_rows, row_layout_type
+   use gyroakf_io_columns_writer, only : column_type, form_of, put_rows, row_layout_type, &
+      & write_record
    use gyroakf_io_writer, only : commit_writer, discard_writer, open_writer, writer_type
    implicit none (type, external)
    private

@@ -5,7 +5,7 @@ module test_simulate
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
    use gyroakf_record, only : record_type, text_type, add_text
-   use gyroakf_io_record_writer, only : write_record
+   use gyroakf_io_columns_writer, only : write_record
    use gyroakf_random, only : random_type, seed_random
    use gyroakf_simulate_noise, only : add_autoregressive
    use gyroakf_simulate_simulate_record, only : simulate_options, simulate_record, paper_preset, paper_seed

@@ -5,11 +5,11 @@ module test_text
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_commas, only : decimal_comma
    use gyroakf_io_columns, only : column_names_type
-   use gyroakf_io_format, only : content_type, recognise
+   use gyroakf_io_format, only : content_type, recognize_content
    use gyroakf_io_labels, only : name_fields
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_place, only : place_error
-   use gyroakf_column_class, only : is_counter_name, is_temperature_name, is_time_name
+   use gyroakf_column_class, only : class_of, column_class, is_time_name
    use gyroakf_io_stamps, only : infer_scale, named_scale
    use gyroakf_io_text, only : bytes_text, fields_type, is_no_row, split, split_line, text_bytes
    implicit none (type, external)
@@ -163,7 +163,7 @@ contains
       character(*), intent(in) :: bytes, name, kind, what
       type(content_type) :: content
 
-      call recognise(bytes_of(bytes), name, content)
+      call recognize_content(bytes_of(bytes), name, content)
       call check(error, trim(content%kind), kind)
       if (allocated(error) .or. len(what) == 0) return
       call check(error, content%what, what)
@@ -219,17 +219,21 @@ contains
       integer :: i
 
       do i = 1, size(yes)
-         call check(error, is_time_name(trim(yes(i))), yes(i))
+         call check(error, is_time_name(trim(yes(i)), ""), yes(i))
       end do
       do i = 1, size(no)
-         call check(error,.not. is_time_name(trim(no(i))), "taken: "//no(i))
+         call check(error,.not. is_time_name(trim(no(i)), ""), "taken: "//no(i))
       end do
       call check(error, is_time_name("T", "s") .and. .not. is_time_name("T", "degC") .and. .not. is_time_name("t", "degC"), "T")
-      call check(error, is_temperature_name("T", "") .and. is_temperature_name("T", "degC") .and. .not. &
-                 is_temperature_name("T", "s") .and. is_temperature_name("GyroTemp", "") .and. is_temperature_name("tempC", "") &
-                 .and. .not. is_temperature_name("tempo", "") .and. .not. is_temperature_name("t", ""), "temperatures")
-      call check(error, is_counter_name("Packet Counter") .and. is_counter_name("header.seq") .and. is_counter_name("n") .and. &
-                 is_counter_name("PacketCounter") .and. .not. is_counter_name("gx"), "counters")
+      associate (class => column_class%temperature)
+         call check(error, all([class_of("T", ""), class_of("T", "degC"), class_of("GyroTemp", ""), &
+            class_of("tempC", "")] == class) .and. all([class_of("T", "s"), class_of("tempo", ""), &
+            class_of("t", "")] /= class), "temperatures")
+      end associate
+      associate (class => column_class%counter)
+         call check(error, all([class_of("Packet Counter", ""), class_of("header.seq", ""), class_of("n", ""), &
+            class_of("PacketCounter", "")] == class) .and. class_of("gx", "") /= class, "counters")
+      end associate
    end subroutine test_time_names
 
    subroutine test_time_units()

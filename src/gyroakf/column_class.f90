@@ -2,17 +2,14 @@
 !> What a column measures, by the words of its name and by its unit.
 module gyroakf_column_class
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : error_type
-   use gyroakf_name_words, only : ends_with, has_beginning, has_word, is_counter_name, is_one_of, &
-      is_temperature_name, is_temperature_unit, is_time_name, join_name, split_name
-   use gyroakf_record, only : text_type
-   use gyroakf_spelling, only : lower
-   use gyroakf_units, only : parse_unit, quantity, time_scale, unit_type
+   use gyroakf_name_words, only : drop_digits, ends_with, has_beginning, has_word, is_counter, &
+      is_one_of, is_temperature, is_temperature_unit, is_time_name, join_words, split_name
+   use gyroakf_spelling, only : lower, replace_all
+   use gyroakf_units, only : quantity, recognize_unit, time_scale, unit_type
    implicit none (type, external)
    private
-   public :: column_class, class_names, class_of, is_unit, find_unit, unit_fits, split_name
-   public :: is_time_name, may_hold_time, is_counter_name, is_temperature_name
-   public :: opening_bracket, noteless_length
+   public :: column_class, class_names, class_of, is_unit, find_unit, unit_fits
+   public :: is_time_name, may_hold_time, opening_bracket, noteless_length
 
    !> What a column measures, reached as `column_class%rate`
    type :: column_class_enum
@@ -65,36 +62,39 @@ contains
    pure integer function class_of(name, unit) result(found)
       !> As the file names it, without its unit, and the unit; "" where there is none
       character(*), intent(in) :: name, unit
-      type(text_type), allocatable :: word(:)
-      character(:), allocatable :: joined
+      character(:), allocatable :: words, joined
       type(unit_type) :: known
+      logical :: counter, temperature
 
-      call split_name(name, word)
-      call join_name(word, joined)
+      call split_name(name, words)
+      call join_words(words, joined)
+      counter = is_counter(words)
+      temperature = is_temperature(words, name, unit)
+      call drop_digits(words)
       call find_unit(name, unit, known)
       found = column_class%unknown
       if (is_temperature_unit(unit)) then
          found = column_class%temperature
-      else if (has_word(word, "calib") .and. .not. has_word(word, "x y z")) then
+      else if (has_word(words, "calib") .and. .not. has_word(words, "x y z")) then
          found = column_class%flag
       else if (is_time_name(name, unit)) then
          found = column_class%time
-      else if (has_word(word, flags) .or. has_beginning(word, "clip satu")) then
+      else if (has_word(words, flags) .or. has_beginning(words, "clip satu")) then
          found = column_class%flag
-      else if (is_counter_name(name)) then
+      else if (counter) then
          found = column_class%counter
-      else if (is_temperature_name(name, unit)) then
+      else if (temperature) then
          found = column_class%temperature
-      else if (has_word(word, statistics)) then
+      else if (has_word(words, statistics)) then
          found = column_class%other
-      else if (is_one_of(lower(unit), magnetic_units) .or. is_magnetic(word, joined)) then
+      else if (is_one_of(lower(unit), magnetic_units) .or. is_magnetic(words, joined)) then
          found = column_class%magnetic
       else if (known%quantity == quantity%angular_rate) then
          found = column_class%rate
       else if (known%quantity == quantity%acceleration) then
          found = column_class%acceleration
       else
-         found = class_of_words(word, joined)
+         found = class_of_words(words, joined)
          if (found == column_class%unknown .and. known%quantity == quantity%angle) found = &
             column_class%angle
          if (found == column_class%unknown .and. (known%quantity == quantity%velocity .or. &
@@ -102,57 +102,55 @@ contains
       end if
    end function class_of
 
-   pure integer function class_of_words(word, joined) result(found)
-      type(text_type), intent(in) :: word(:)
-      character(*), intent(in) :: joined
+   pure integer function class_of_words(words, joined) result(found)
+      character(*), intent(in) :: words, joined
       character(*), parameter :: turning = "angular ang rotation rot body"
       logical :: turns, accelerates
 
       found = column_class%unknown
-      turns = has_word(word, "velocity vel rate rates speed omega") .and. &
-              (has_word(word, turning) .or. is_angle(word))
-      turns = turns .or. has_word(word, "rate rates rotrate "//rate_axes) .or. &
-         has_beginning(word, "gyr omega angvel") .or. is_one_of(joined, rate_axes//" gyr g") .or. &
+      turns = has_word(words, "velocity vel rate rates speed omega") .and. &
+              (has_word(words, turning) .or. is_angle(words))
+      turns = turns .or. has_word(words, "rate rates rotrate "//rate_axes) .or. &
+         has_beginning(words, "gyr omega angvel") .or. is_one_of(joined, rate_axes//" gyr g") .or. &
          ends_with(joined, "rotation") .or. &
-         (is_angle(word) .and. (ends_with(joined, "speed") .or. ends_with(joined, "rate")))
-      accelerates = has_word(word, "force gforce xl "//acceleration_axes) &
-                    .or. has_beginning(word, "acc lacc gravity specific") &
+         (is_angle(words) .and. (ends_with(joined, "speed") .or. ends_with(joined, "rate")))
+      accelerates = has_word(words, "force gforce xl "//acceleration_axes) &
+                    .or. has_beginning(words, "acc lacc gravity specific") &
                     .or. is_one_of(joined, acceleration_axes//" fx fy fz a")
-      if (has_beginning(word, "quat orienta rotvec") .or. is_one_of(joined, quaternion_axes) .or. &
-         has_word(word, quaternion_axes) .or. &
-         (has_word(word, turning) .and. has_word(word, "vector"))) then
+      if (has_beginning(words, "quat orienta rotvec") .or. is_one_of(joined, quaternion_axes) .or. &
+         has_word(words, quaternion_axes) .or. &
+         (has_word(words, turning) .and. has_word(words, "vector"))) then
          found = column_class%quaternion
-      else if (accelerates .and. has_word(word, "angular")) then
+      else if (accelerates .and. has_word(words, "angular")) then
          found = column_class%other
-      else if (turns .and. .not. (accelerates .and. has_word(word, "rate"))) then
+      else if (turns .and. .not. (accelerates .and. has_word(words, "rate"))) then
          found = column_class%rate
       else if (accelerates) then
          found = column_class%acceleration
-      else if (is_angle(word)) then
+      else if (is_angle(words)) then
          found = column_class%angle
-      else if (has_word(word, "alt pos vel vn ve vd vx vy vz sats") .or. has_beginning(word, &
+      else if (has_word(words, "alt pos vel vn ve vd vx vy vz sats") .or. has_beginning(words, &
          "lat lon lng alti heig posi velo spee gps gnss ecef loca hdop nort east")) then
          found = column_class%position
-      else if (has_beginning(word, "pres baro humi ligh lux prox volt batt curr soun enco")) then
+      else if (has_beginning(words, "pres baro humi ligh lux prox volt batt curr soun enco")) then
          found = column_class%other
       end if
    end function class_of_words
 
-   pure logical function is_magnetic(word, joined)
-      type(text_type), intent(in) :: word(:)
-      character(*), intent(in) :: joined
+   pure logical function is_magnetic(words, joined)
+      character(*), intent(in) :: words, joined
 
-      is_magnetic = has_word(word, "mag") .or. has_beginning(word, "magn compa micro") &
+      is_magnetic = has_word(words, "mag") .or. has_beginning(words, "magn compa micro") &
                     .or. is_one_of(joined, magnetic_axes//" hx m")
-      is_magnetic = (is_magnetic .and. .not. has_word(word, "magnitude")) &
-                    .or. has_word(word, magnetic_axes) .or. has_beginning(word, "magx magy magz")
+      is_magnetic = (is_magnetic .and. .not. has_word(words, "magnitude")) &
+                    .or. has_word(words, magnetic_axes) .or. has_beginning(words, "magx magy magz")
    end function is_magnetic
 
    !> True for the words of an attitude or of an increment of an angle.
-   pure logical function is_angle(word)
-      type(text_type), intent(in) :: word(:)
+   pure logical function is_angle(words)
+      character(*), intent(in) :: words
 
-      is_angle = has_beginning(word, "ang roll pitc yaw head azim atti eule phi psi thet")
+      is_angle = has_beginning(words, "ang roll pitc yaw head azim atti eule phi psi thet")
    end function is_angle
 
    !> The unit of a column's values: what stood in brackets, else the last words of the name before
@@ -160,30 +158,38 @@ contains
    pure subroutine find_unit(name, unit, found)
       character(*), intent(in) :: name, unit
       type(unit_type), intent(out) :: found
-      type(text_type), allocatable :: word(:)
-      type(error_type), allocatable :: failed
-      character(:), allocatable :: text
-      integer :: last, k, i
+      character(:), allocatable :: words, text
+      integer :: last, start(4), k
 
       if (len(unit) > 0) then
-         if (.not. is_one_of(lower(unit), magnetic_units)) call parse_unit(unit, found, failed)
+         if (.not. is_one_of(lower(unit), magnetic_units)) call recognize_unit(unit, found)
          return
       end if
-      call split_name(name(:noteless_length(name)), word)
-      do last = size(word), 2, -1
-         if (verify(word(last)%text, "0123456789") > 0 .and. &
-             .not. is_one_of(word(last)%text, "x y z column")) exit
+      call split_name(name(:noteless_length(name)), words)
+      last = len(words)
+      do
+         start(1) = index(words(:last - 1), " ", back=.true.)
+         if (start(1) <= 1) return
+         associate (word => words(start(1) + 1:last - 1))
+            if (verify(word, "0123456789") > 0 .and. .not. is_one_of(word, "x y z column")) exit
+         end associate
+         last = start(1)
       end do
-      do k = min(4, last - 1), 1, -1
-         text = word(last - k + 1)%text
-         do i = last - k + 2, last
-            if (word(i)%text /= "per") text = text//"/"//word(i)%text
-         end do
-         call parse_unit(text, found, failed)
+      do k = 2, 4
+         start(k) = index(words(:max(start(k - 1) - 1, 0)), " ", back=.true.)
+      end do
+      do k = count(start > 1), 1, -1
+         text = words(start(k) + 1:last)
+         call replace_all(text, " per ", " ")
+         text = trim(text)
+         call replace_all(text, " ", "/")
+         call recognize_unit(text, found)
          if (k == 1 .and. is_one_of(text, "g mg ug")) then
-            call join_name(word(:last - 1), text)
-            if (class_of_words(word(:last - 1), text) /= column_class%acceleration &
-                .or. index(name, "/") > 0) found = unit_type()
+            words = words(:start(1))
+            call join_words(words, text)
+            call drop_digits(words)
+            if (class_of_words(words, text) /= column_class%acceleration .or. &
+               index(name, "/") > 0) found = unit_type()
          end if
          if (found%quantity /= quantity%unknown) return
       end do
@@ -223,12 +229,11 @@ contains
       !> What stands in brackets, or in a row of units
       character(*), intent(in) :: text
       type(unit_type) :: unit
-      type(error_type), allocatable :: failed
       character(:), allocatable :: word
 
       word = trim(adjustl(lower(text)))
-      call parse_unit(word, unit, failed)
-      is_unit = .not. allocated(failed) .or. time_scale(word) > 0.0_dp .or. &
+      call recognize_unit(word, unit)
+      is_unit = unit%quantity /= quantity%unknown .or. time_scale(word) > 0.0_dp .or. &
          is_temperature_unit(word) .or. is_one_of(word, magnetic_units//" "//other_units)
    end function is_unit
 

@@ -24,16 +24,16 @@ contains
    pure subroutine replace_all(text, old, new)
       character(:), allocatable, intent(inout) :: text
       !> What is looked for, not empty
-      character(*), intent(in) :: old
-      character(*), intent(in) :: new
+      character(*), intent(in) :: old, new
       character(:), allocatable :: changed
       integer :: from, at
 
+      if (len(old) == 0 .or. index(text, old) == 0) return
       changed = ""
       from = 1
       do
          at = index(text(from:), old)
-         if (at == 0 .or. len(old) == 0) exit
+         if (at == 0) exit
          changed = changed//text(from:from + at - 2)//new
          from = from + at - 1 + len(old)
       end do
@@ -62,8 +62,7 @@ contains
 
    !> Restricted Damerau-Levenshtein distance: letters to insert, delete, replace or swap.
    pure integer function edit_distance(a, b)
-      character(*), intent(in) :: a
-      character(*), intent(in) :: b
+      character(*), intent(in) :: a, b
       integer :: d(-1:len(a), -1:len(b)), i, j, cost
 
       d(-1, :) = len(a) + len(b)

@@ -3,12 +3,11 @@
 module gyroakf_units
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_spelling, only : nearest_word
-   use gyroakf_unit_spelling, only : make_plain, take_meaning
+   use gyroakf_spelling, only : lower, nearest_word, replace_all
    implicit none (type, external)
    private
    public :: unit_type, quantity, term_names, standard_gravity
-   public :: parse_unit, parse_units, time_scale, is_integral, angle_to_rate_unit
+   public :: recognize_unit, parse_unit, parse_units, time_scale, is_integral, angle_to_rate_unit
 
    !> The five terms: quantization, angle random walk, bias instability, rate random walk, ramp
    character(1), parameter :: term_names(5) = ["Q", "N", "B", "K", "R"]
@@ -73,6 +72,25 @@ module gyroakf_units
       1.0_dp), unit_entry("mm/s", quantity%velocity, 1.0e-3_dp), unit_entry("cm/s", &
       quantity%velocity, 1.0e-2_dp), unit_entry("ft/s", quantity%velocity, 0.3048_dp)]
 
+   !> Pairs of what is written and what is meant
+   character(12), parameter :: spellings(2, 43) = reshape([character(12) :: "degree", "deg", &
+      "degrees", "deg", "degs", "deg", "radian", "rad", "radians", "rad", "rads", "rad", &
+      "arcsecond", "arcsec", "arcseconds", "arcsec", "asec", "arcsec", "arcs", "arcsec", '"', &
+      "arcsec", "arcminute", "arcmin", "arcminutes", "arcmin", "revolution", "rev", "revolutions", &
+      "rev", "turn", "rev", "turns", "rev", "millidegree", "mdeg", "millidegrees", "mdeg", &
+      "millirad", "mrad", "microrad", "urad", "dps", "deg/s", "mdps", "mdeg/s", "udps", "udeg/s", &
+      "dph", "deg/h", "rps", "rev/s", "rpm", "rev/min", "degps", "deg/s", "degph", "deg/h", &
+      "radps", "rad/s", "mradps", "mrad/s", "m/s2", "m/s^2", "m/s/s", "m/s^2", "mps2", "m/s^2", &
+      "ms2", "m/s^2", "g-force", "g", "cm/s2", "cm/s^2", "mm/s2", "mm/s^2", "ft/s2", "ft/s^2", &
+      "gn", "g", "milli-g", "mg", "micro-g", "ug", "gal", "cm/s^2"], [2, 43])
+
+   !> Signs, in UTF-8 and in Latin-1, and what they become; they are replaced in this order
+   character(5), parameter :: signs(2, 13) = reshape([character(5) :: char(194)//char(176), "deg", &
+      char(194)//char(186), "deg", char(194)//char(178), "^2", char(194)//char(181), "u", &
+      char(206)//char(188), "u", char(194)//char(183), "", char(226)//char(129)//char(187)// &
+      char(194)//char(185), "^-1", char(226)//char(129)//char(187)//"^2", "^-2", char(176), "deg", &
+      char(178), "^2", char(181), "u", "**", "^", "*", ""], [2, 13])
+
    !> What the message for an unknown unit offers
    character(8), parameter :: offered(23) = [character(8) :: "deg/s", "deg/h", "deg/min", "mdps", &
       "dps", "rad/s", "rad/h", "mrad/s", "urad/s", "arcsec/s", "rev/s", "rpm", "m/s^2", "g", "mg", &
@@ -80,14 +98,12 @@ module gyroakf_units
 
 contains
 
-   !> The unit that a text names. Case, blanks and brackets do not matter; `dps`, `deg/s`, `deg
-   !> s^-1`, `degrees per second` and the degree sign are the same unit.
-   pure subroutine parse_unit(text, unit, error)
+   !> The unit that a text names, of unknown quantity where it names none.
+   pure subroutine recognize_unit(text, unit)
+      !> As that of [[parse_unit]]
       character(*), intent(in) :: text
       type(unit_type), intent(out) :: unit
-      !> Allocated where the text names no known unit: invalid_argument, with the nearest known one
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: plain, angle, message
+      character(:), allocatable :: plain, angle
       integer :: i, slash
 
       plain = text
@@ -102,9 +118,24 @@ contains
       angle = plain(:slash - 1)
       if (slash <= len(plain)) call take_meaning(angle)
       call find_angle(angle, plain(slash:), unit)
-      if (unit%quantity /= quantity%unknown) return
+   end subroutine recognize_unit
 
+   !> The unit that a text names. Case, blanks and brackets do not matter; `dps`, `deg/s`, `deg
+   !> s^-1`, `degrees per second` and the degree sign are the same unit.
+   pure subroutine parse_unit(text, unit, error)
+      character(*), intent(in) :: text
+      type(unit_type), intent(out) :: unit
+      !> Allocated where the text names no known unit: invalid_argument, with the nearest known one
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: plain, message
+      integer :: i
+
+      call recognize_unit(text, unit)
+      if (unit%quantity /= quantity%unknown) return
       message = "unknown unit '"//trim(adjustl(text))//"'"
+      plain = text
+      call make_plain(plain)
+      call take_meaning(plain)
       i = 0
       if (len(plain) > 0) i = nearest_word(plain, offered)
       if (i > 0) message = message//", perhaps "//trim(offered(i))
@@ -225,5 +256,48 @@ contains
       rate_unit%name = unit%name//"/s"
       if (rate_unit%name == "mdeg/s") rate_unit%name = "mdps"
    end function angle_to_rate_unit
+
+   !> Lower case, no blanks, brackets or signs beyond ASCII, `/s` for `per s` and `s^-1`.
+   pure subroutine make_plain(plain)
+      character(:), allocatable, intent(inout) :: plain
+      character(*), parameter :: dropped = " _[]()"//achar(9)
+      integer :: i
+
+      plain = lower(plain)
+      do i = 1, size(signs, 2)
+         if (index(plain, signs(1, i)(:1)) == 0) cycle
+         call replace_all(plain, trim(signs(1, i)), trim(signs(2, i)))
+      end do
+      do i = 1, len(dropped)
+         call replace_all(plain, dropped(i:i), "")
+      end do
+      call replace_all(plain, "per", "/")
+      call invert_power(plain, "-1", "")
+      call invert_power(plain, "-2", "^2")
+   end subroutine make_plain
+
+   !> `rads^-1` and `rads-1` become `rad/s`.
+   pure subroutine invert_power(text, power, positive)
+      character(:), allocatable, intent(inout) :: text
+      character(*), intent(in) :: power, positive
+      integer :: n
+
+      n = len(text) - len(power)
+      if (n < 2) return
+      if (text(n + 1:) /= power) return
+      if (text(n:n) == "^") n = n - 1
+      if (n < 2) return
+      if (index("sh", text(n:n)) > 0) text = text(:n - 1)//"/"//text(n:n)//positive
+   end subroutine invert_power
+
+   !> Takes what a text means where it is one of the spellings.
+   pure subroutine take_meaning(text)
+      !> In plain form
+      character(:), allocatable, intent(inout) :: text
+      integer :: at
+
+      at = findloc(spellings(1, :) == text, .true., dim=1)
+      if (at > 0) text = trim(spellings(2, at))
+   end subroutine take_meaning
 
 end module gyroakf_units

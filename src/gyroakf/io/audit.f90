@@ -9,8 +9,7 @@ module gyroakf_io_audit
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence, new_steps, steps_type
-   use gyroakf_io_losses, only : add_gap, find_losses, gap_type
-   use gyroakf_io_loss_pattern, only : explain_losses
+   use gyroakf_io_losses, only : add_gap, explain_losses, find_losses, gap_type
    use gyroakf_io_rate_changes, only : find_changes
    use gyroakf_record, only : audit_type
    implicit none (type, external)
@@ -159,8 +158,7 @@ contains
 
    !> The period after which a clock starts again, s; 0 where the stamps would not go on soon.
    pure real(dp) function rollover_of(step, interval) result(period)
-      real(dp), intent(in) :: step
-      real(dp), intent(in) :: interval
+      real(dp), intent(in) :: step, interval
       !> Day, GPS week; 16, 24, 31, 32 bits of us, 100 us and ms
       real(dp), parameter :: periods(*) = [86400.0_dp, 604800.0_dp, &
          2.0_dp**[16, 24, 31, 32]*1.0e-6_dp, 2.0_dp**[16, 24, 31, 32]*1.0e-4_dp, &
@@ -248,7 +246,6 @@ contains
       type(audit_type), intent(inout) :: audit
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback, before every channel; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer :: j, channels
 

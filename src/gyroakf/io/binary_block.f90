@@ -1,14 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Where binary numbers are in a file, and blocks of their rows, read and converted.
 module gyroakf_io_binary_block
-   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_int, c_loc, c_ptr
+   use, intrinsic :: iso_c_binding, only : c_f_pointer, c_loc, c_ptr
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_element, only : convert_elements, drop_infinite, element_name, element_type, &
       field_type, is_native, swap_elements
    use gyroakf_io_place, only : integer_text
-   use gyroakf_io_source, only : read_block, source_type
-   use gyroakf_io_system, only : move_bytes
+   use gyroakf_io_source, only : has_places, read_block, read_piece, source_type
    use gyroakf_io_table, only : table_type
    implicit none (type, external)
    private
@@ -30,8 +29,6 @@ module gyroakf_io_binary_block
       integer(int64) :: first = 0
       !> Rows that were read
       integer(int64) :: row = 0
-      !> For positioned reading, -1: in order from a source
-      integer(c_int) :: descriptor = -1
       !> Bytes of a source that were read ahead, and the last of them that was used
       integer(int8), allocatable :: head(:)
       integer(int64) :: used = 0
@@ -48,7 +45,6 @@ contains
 
    !> Bytes that are behind it.
    pure integer(int64) function place_of(binary)
-      !> Open
       type(binary_type), intent(in) :: binary
 
       place_of = binary%first + binary%row*binary%columns*binary%element%bytes
@@ -58,9 +54,7 @@ contains
    subroutine fill_rows(binary, source, table, value, before, rows, got, error)
       !> Its place stays; integers that lose digits are counted
       type(binary_type), intent(inout) :: binary
-      !> For what comes in order
       type(source_type), intent(inout) :: source
-      !> Its columns are chosen
       type(table_type), intent(in) :: table
       !> [row, stored column]
       real(dp), intent(inout), contiguous :: value(:, :)
@@ -70,13 +64,13 @@ contains
       integer(int64), intent(out) :: got
       !> io, parse
       type(error_type), allocatable, intent(out) :: error
-      integer, allocatable :: column(:)
-      logical :: failed, refused, in_order
+      integer, allocatable :: column(:)                            ! that each stored column holds
+      logical :: in_order
       integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, short
-      integer :: tasks, piece
+      integer :: tasks, piece, j, code, worst
 
-      call stored_columns(table, column)
-      in_order = binary%descriptor < 0
+      column = [(findloc(table%layout%slot, j, dim=1), j=1, table%layout%stored)]
+      in_order = .not. has_places(source)
       tasks = 1
       if (binary%by_columns) tasks = merge(int(binary%columns), size(column), in_order)
       block_rows = block_bytes/binary%element%bytes
@@ -87,9 +81,9 @@ contains
       blocks = (rows + block_rows - 1)/block_rows
       missing = 0
       rounded = 0
-      refused = .false.
-      !$omp parallel do schedule(dynamic) private(from, to, piece, short, failed) &
-      !$omp& reduction(+:rounded) reduction(max:missing) reduction(.or.:refused) &
+      worst = status%ok
+      !$omp parallel do schedule(dynamic) private(from, to, piece, short, code) &
+      !$omp& reduction(+:rounded) reduction(max:missing, worst) &
       !$omp& if (.not. in_order .and. rows*size(column)*8 > worth_threads)
       do k = 0, blocks*tasks - 1
          if (in_order .and. (missing > 0 .or. allocated(error))) cycle
@@ -99,34 +93,24 @@ contains
          if (in_order .and. binary%by_columns) piece = merge(table%layout%slot(piece), -1, &
             table%layout%slot(piece) > 0)
          call read_part(binary, source, column, piece, before, from, to, value, rounded, short, &
-            failed, error)
-         refused = refused .or. failed
+            code, error)
+         worst = max(worst, code)
          if (short > 0) missing = max(missing, before + rows - (to - short))
       end do
       !$omp end parallel do
       binary%rounded = binary%rounded + rounded
       got = rows - missing
-      if (refused) call fatal_error(error, status%io, table%name// &
+      if (worst == status%io) call fatal_error(error, status%io, table%name// &
          ": the system refused to read row "//integer_text(binary%row + got + 1)//new_line("a")// &
          "check the disk, or copy the file")
+      if (worst == status%no_memory) call fatal_error(error, status%no_memory, &
+         "no memory for a block of "//table%name)
    end subroutine fill_rows
-
-   !> The column of the file that each stored column holds.
-   pure subroutine stored_columns(table, column)
-      type(table_type), intent(in) :: table
-      integer, allocatable, intent(out) :: column(:)
-      integer :: j
-
-      allocate (column(table%layout%stored))
-      do j = 1, table%layout%columns
-         if (table%layout%slot(j) > 0) column(table%layout%slot(j)) = j
-      end do
-   end subroutine stored_columns
 
    !> Reads some rows, or those of one column where there is a piece; leaves them out where it is
    !> below 0. Numbers of a file that need no conversion go straight into their place.
    subroutine read_part(binary, source, column, piece, before, from, to, value, rounded, short, &
-      failed, error)
+      code, error)
       type(binary_type), intent(inout) :: binary
       type(source_type), intent(inout) :: source
       integer, intent(in) :: column(:), piece
@@ -134,42 +118,51 @@ contains
       real(dp), intent(inout), contiguous, target :: value(:, :)
       integer(int64), intent(inout) :: rounded
       integer(int64), intent(out) :: short
-      logical, intent(out) :: failed
+      !> ok, io where the system refuses, no_memory
+      integer, intent(out) :: code
       type(error_type), allocatable, intent(inout) :: error
       integer(int64), allocatable, target :: buffer(:)
       integer(int8), pointer, contiguous :: bytes(:)
       integer(int64) :: row_bytes, offset, got, n
+      integer :: stat
+      logical :: direct, failed
 
       n = to - from + 1
-      failed = .false.
+      short = n
       row_bytes = binary%element%bytes
       offset = binary%first
       if (piece > 0) offset = offset + (column(piece) - 1)*max(binary%rows, 0_int64)*row_bytes
       if (piece == 0) row_bytes = row_bytes*binary%columns
       offset = offset + (binary%row + from - before - 1)*row_bytes
-      if (binary%descriptor >= 0 .and. is_native(binary%element) .and. row_bytes == 8) then
-         call move_bytes(binary%descriptor, c_loc(value(from, max(piece, 1))), 8*n, got, failed, &
-            offset)
-         got = got/8
-         call drop_infinite(value(from:from + got - 1, max(piece, 1)))
+      direct = has_places(source) .and. is_native(binary%element) .and. row_bytes == 8
+      if (direct) then
+         call c_f_pointer(c_loc(value(from, max(piece, 1))), bytes, [n*row_bytes])
       else
-         allocate (buffer((n*row_bytes + 7)/8))
+         allocate (buffer((n*row_bytes + 7)/8), stat=stat)
+         code = merge(status%no_memory, status%ok, stat /= 0)
+         if (stat /= 0) return
          call c_f_pointer(c_loc(buffer), bytes, [n*row_bytes])
-         if (binary%descriptor >= 0) call move_bytes(binary%descriptor, &
-            c_loc(buffer), n*row_bytes, got, failed, offset)
-         if (binary%descriptor < 0) call take_bytes(binary, source, bytes, got, error)
-         if (binary%descriptor < 0 .and. mod(got, row_bytes) /= 0 .and. .not. allocated(error)) then
-            call refuse_rest(binary, source%name, binary%row + from - before - 1 + got/row_bytes, &
-               modulo(got, row_bytes), error)
-         end if
-         got = got/row_bytes
-         if (piece >= 0) call spread_rows(binary, c_loc(buffer), column, piece, from, &
-            from + got - 1, value, rounded)
       end if
+      failed = .false.
+      if (has_places(source)) then
+         call read_piece(source, offset, bytes, got, failed)
+      else
+         call take_bytes(binary, source, bytes, got, error)
+         if (mod(got, row_bytes) /= 0 .and. .not. allocated(error)) call refuse_rest(binary, &
+            source%name, binary%row + from - before - 1 + got/row_bytes, modulo(got, row_bytes), &
+            error)
+      end if
+      code = merge(status%io, status%ok, failed)
+      got = got/row_bytes
       short = n - got
+      if (direct) then
+         call drop_infinite(value(from:from + got - 1, max(piece, 1)))
+      else if (piece >= 0) then
+         call spread_rows(binary, c_loc(buffer), column, piece, from, from + got - 1, value, &
+            rounded)
+      end if
    end subroutine read_part
 
-   !> Converts rows that are at hand.
    subroutine spread_rows(binary, address, column, piece, from, to, value, rounded)
       type(binary_type), intent(in) :: binary
       type(c_ptr), intent(in) :: address
@@ -221,11 +214,8 @@ contains
 
    !> The error for numbers that end within a row.
    subroutine refuse_rest(binary, name, rows, rest, error)
-      !> Its layout is known
       type(binary_type), intent(in) :: binary
-      !> Of the file
       character(*), intent(in) :: name
-      !> Whole rows, and bytes behind them
       integer(int64), intent(in) :: rows, rest
       !> Allocated: parse
       type(error_type), allocatable, intent(out) :: error
@@ -241,11 +231,8 @@ contains
 
    !> The next bytes of a source, those read ahead first.
    subroutine take_bytes(binary, source, buffer, got, error)
-      !> In order
       type(binary_type), intent(inout) :: binary
-      !> Open
       type(source_type), intent(inout) :: source
-      !> Filled from its first byte
       integer(int8), intent(inout), contiguous :: buffer(:)
       !> Bytes; fewer only where the source ends
       integer(int64), intent(out) :: got
@@ -266,9 +253,7 @@ contains
 
    !> Leaves out bytes of a source.
    subroutine skip_bytes(binary, source, count, error)
-      !> In order
       type(binary_type), intent(inout) :: binary
-      !> Open
       type(source_type), intent(inout) :: source
       !> How many; fewer where the source ends
       integer(int64), intent(in) :: count

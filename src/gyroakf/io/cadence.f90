@@ -47,7 +47,6 @@ contains
 
    !> Work space for any number of calls.
    subroutine new_steps(steps, error)
-      !> Made
       type(steps_type), intent(out) :: steps
       !> no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -63,9 +62,7 @@ contains
    subroutine find_cadence(t, steps, cadence)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Work space
       type(steps_type), intent(inout) :: steps
-      !> The cadence
       type(cadence_type), intent(out) :: cadence
       type(error_type), allocatable :: failed
       real(dp) :: rounding
@@ -95,7 +92,6 @@ contains
    subroutine find_step(t, steps, cadence)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Work space
       type(steps_type), intent(inout) :: steps
       !> Its resolution stays 0
       type(cadence_type), intent(out) :: cadence
@@ -129,7 +125,6 @@ contains
       if (.not. cadence%regular) call use_mean(t, cadence)
    end subroutine find_step
 
-   !> The bin of a step.
    pure integer function bin_of(step)
       real(dp), intent(in) :: step
       integer(int64), parameter :: lowest = shiftl(1023_int64 - octaves/2, mantissa_bits) - 1
@@ -237,8 +232,7 @@ contains
 
    !> The smallest difference between values, or between them and 0, that is more than rounding.
    pure real(dp) function smallest_difference(step, rounding) result(found)
-      real(dp), intent(in) :: step(:)
-      real(dp), intent(in) :: rounding
+      real(dp), intent(in) :: step(:), rounding
       real(dp) :: last
       integer :: k
 
@@ -257,7 +251,6 @@ contains
    subroutine count_bursts(t, cadence, audit)
       !> Stamps, s
       real(dp), intent(in), contiguous :: t(:)
-      !> Of the stamps
       type(cadence_type), intent(in) :: cadence
       !> Its bursts; `line_of_burst` is a row
       type(audit_type), intent(inout) :: audit

@@ -8,7 +8,7 @@ module gyroakf_io_channel_units
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_table, only : table_type
    use gyroakf_record, only : add_text, record_type
-   use gyroakf_units, only : parse_unit, is_integral, parse_units, quantity, unit_type
+   use gyroakf_units, only : is_integral, parse_units, quantity, recognize_unit, unit_type
    implicit none (type, external)
    private
    public :: set_units
@@ -115,7 +115,6 @@ contains
       type(table_type), intent(in) :: table
       type(record_type), intent(inout) :: record
       type(unit_type), intent(inout) :: unit(:)
-      type(error_type), allocatable :: failed
       integer :: j, column, listed
 
       listed = 0
@@ -137,7 +136,7 @@ contains
       do j = 1, size(unit)
          column = table%chosen(j)
          if (listed < table%layout%columns .and. table%time < column) column = column - 1
-         call parse_unit(table%header%units(column)%text, unit(j), failed)
+         call recognize_unit(table%header%units(column)%text, unit(j))
       end do
    end subroutine units_of_header
 

@@ -4,7 +4,7 @@ module gyroakf_io_column_behavior
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_columns, only : label_of
-   use gyroakf_io_leave_out, only : analyzed_columns
+   use gyroakf_io_column_choice, only : analyzed_columns
    use gyroakf_io_place, only : integer_text
    use gyroakf_column_class, only : column_class, may_hold_time
    use gyroakf_io_store, only : store_type

@@ -10,8 +10,7 @@ module gyroakf_io_columns
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: column_names_type, count_names, has_name, read_names, join_names, drop_empty_names, &
-      take_brackets_off
+   public :: column_names_type, count_names, has_name, read_names, join_names, drop_empty_names
    public :: refuse_equal_names, names_way, take_name, label_of, most_columns
 
    !> A file with more of them has lost its line ends
@@ -38,8 +37,7 @@ contains
    !> Names from a line: between commas, semicolons and tabs if there are any, else between blanks.
    subroutine read_names(bytes, first, last, line, names)
       integer(int8), intent(in), contiguous :: bytes(:)
-      integer(int64), intent(in) :: first, last
-      integer(int64), intent(in) :: line
+      integer(int64), intent(in) :: first, last, line
       type(column_names_type), intent(out) :: names
       type(fields_type) :: fields
       character(:), allocatable :: word
@@ -127,8 +125,8 @@ contains
       type(column_names_type), intent(in) :: names
       integer :: i
 
-      known_classes = count([(class_of(names%name(i)%text, &
-         names%unit(i)%text) /= column_class%unknown, i=1, size(names%name))])
+      known_classes = count([(class_of(names%name(i)%text, names%unit(i)%text), i=1, &
+         size(names%name))] /= column_class%unknown)
    end function known_classes
 
    !> Takes off the empty names of a line that begins or ends with a separator where the rows do
@@ -197,17 +195,6 @@ contains
       name = trim(text(:bracket - 1))
       unit = trim(adjustl(text(bracket + 1:last)))
    end subroutine take_name
-
-   !> "[deg/s]" becomes "deg/s".
-   pure subroutine take_brackets_off(word)
-      !> Begins with a bracket
-      character(:), allocatable, intent(inout) :: word
-      integer :: last
-
-      last = len(word)
-      if (last > 1 .and. scan(word, "])", back=.true.) == last) last = last - 1
-      word = trim(adjustl(word(2:last)))
-   end subroutine take_brackets_off
 
    !> How many names are known.
    pure integer function count_names(names)

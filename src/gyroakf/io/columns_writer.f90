@@ -7,19 +7,23 @@
 !>     call put_rows(writer, columns, n, layout, error)
 !>
 !> Pieces of a few thousand rows are turned into text by several threads and written in order, so
-!> that the file does not depend on their number.
+!> that the file does not depend on their number. A record is written as a file that the readers
+!> understand: text with header keys, .npy, bare numbers.
 module gyroakf_io_columns_writer
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : check_memory, error_type
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_io_decimal, only : longest_real, real_to_text
    use gyroakf_io_npy, only : make_npy_header
-   use gyroakf_io_writer, only : put, put_reals, writer_type
+   use gyroakf_io_writer, only : commit_writer, discard_writer, open_writer, put, put_line, &
+      put_real, put_reals, writer_type
+   use gyroakf_record, only : record_type, text_type
+   use gyroakf_units, only : quantity
    implicit none (type, external)
    private
-   public :: column_type, row_layout_type, put_rows, form_of
+   public :: column_type, row_layout_type, put_rows, form_of, write_record
 
    !> One column: an array, an even grid, or nothing (nan in every row)
    type :: column_type
@@ -59,7 +63,6 @@ contains
 
    !> The form that a file's name asks for: "npy" and "f64" by .npy and .f64, else "text".
    pure function form_of(path) result(form)
-      !> Any
       character(*), intent(in) :: path
       character(4) :: form
 
@@ -75,9 +78,7 @@ contains
       type(writer_type), intent(inout) :: writer
       !> From left to right; arrays begin with row 1
       type(column_type), intent(in) :: columns(:)
-      !> How many
       integer(int64), intent(in) :: rows
-      !> Text or binary
       type(row_layout_type), intent(in) :: layout
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -106,7 +107,11 @@ contains
          if (layout%form /= "text") then
             call put_binary(writer, columns, at, min(rows, at + piece_rows*pieces - 1))
          else
-            call spell_pieces(columns, at, piece_rows, rows, layout%separator, piece)
+            !$omp parallel do schedule(dynamic)
+            do k = 1, pieces
+               call spell_rows(columns, at + (k - 1)*piece_rows, min(rows, at + k*piece_rows - 1), &
+                  layout%separator, piece(k)%text, piece(k)%used)
+            end do
             do k = 1, pieces
                call put(writer, piece(k)%text(:piece(k)%used))
             end do
@@ -117,22 +122,6 @@ contains
       end do
    end subroutine put_rows
 
-   !> Pieces of so many rows as text, each by one thread.
-   subroutine spell_pieces(columns, first, piece_rows, last, separator, piece)
-      type(column_type), intent(in) :: columns(:)
-      integer(int64), intent(in) :: first, piece_rows, last
-      character(1), intent(in) :: separator
-      type(piece_type), intent(inout) :: piece(:)
-      integer :: k
-
-      !$omp parallel do schedule(dynamic)
-      do k = 1, size(piece)
-         call spell_rows(columns, first + (k - 1)*piece_rows, min(last, first + k*piece_rows - 1), &
-            separator, piece(k)%text, piece(k)%used)
-      end do
-   end subroutine spell_pieces
-
-   !> Rows as text.
    subroutine spell_rows(columns, first, last, separator, text, used)
       type(column_type), intent(in) :: columns(:)
       integer(int64), intent(in) :: first, last
@@ -183,7 +172,6 @@ contains
       end do
    end subroutine put_binary
 
-   !> An array without missing samples.
    pure logical function is_whole(column)
       type(column_type), intent(in) :: column
 
@@ -203,5 +191,84 @@ contains
       end if
       value = column%value(row)
    end function value_of
+
+   !> Writes a record; the file appears whole or not at all.
+   !>
+   !> As text: the given lines and the keys `rate_hz`, `unit` (where known) and `columns`, each
+   !> behind "# ", then the samples, channels separated by a blank, "nan" where missing. A path that
+   !> ends in `.npy` or `.f64` gets the samples alone.
+   subroutine write_record(path, record, header, digits, error, progress)
+      !> The file; "-" is standard output
+      character(*), intent(in) :: path
+      type(record_type), intent(in), target :: record
+      !> Lines to begin with, without "# ": where the record comes from
+      type(text_type), intent(in) :: header(:)
+      !> Significant digits, 1 .. 17; 0: as few as read back to the same numbers
+      integer, intent(in) :: digits
+      !> invalid_argument: digits; io: the file cannot be written; no_memory; cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> Progress callback, in samples
+      class(progress_type), intent(inout), optional :: progress
+      type(writer_type) :: writer
+      type(row_layout_type) :: layout
+      type(column_type) :: columns(size(record%value, 2))
+      integer :: j
+
+      if (digits < 0 .or. digits > 17) then
+         call fatal_error(error, status%invalid_argument, &
+            "a record is written with 0 .. 17 significant digits")
+         return
+      end if
+      do j = 1, size(columns)
+         columns(j)%value => record%value(:, j)
+         if (allocated(record%present)) columns(j)%present => record%present(:, j)
+         columns(j)%digits = digits
+      end do
+      layout%separator = " "
+      layout%form = form_of(path)
+      call open_writer(writer, path, error)
+      if (allocated(error)) return
+      if (layout%form == "text") call put_header(writer, record, header)
+      call put_rows(writer, columns, size(record%value, 1, kind=int64), layout, error, progress)
+      if (allocated(error)) then
+         call discard_writer(writer)
+      else
+         call commit_writer(writer, error)
+      end if
+   end subroutine write_record
+
+   subroutine put_header(writer, record, header)
+      type(writer_type), intent(inout) :: writer
+      type(record_type), intent(in) :: record
+      type(text_type), intent(in) :: header(:)
+      integer :: i
+
+      do i = 1, size(header)
+         call put_line(writer, "# "//header(i)%text)
+      end do
+      if (record%rate_known) then
+         call put(writer, "# rate_hz: ")
+         call put_real(writer, 1/record%sample_interval, 15)
+         call put_line(writer, "")
+      end if
+      if (allocated(record%unit%name)) then
+         if (record%unit%name /= "") call put_line(writer, "# unit: "//record%unit%name)
+      end if
+      if (allocated(record%channel_unit)) then
+         call put(writer, "# units:")
+         do i = 1, size(record%channel_unit)
+            if (record%channel_unit(i)%quantity == quantity%unknown) call put(writer, " -")
+            if (record%channel_unit(i)%quantity /= quantity%unknown) call put(writer, " "// &
+               record%channel_unit(i)%name)
+         end do
+         call put_line(writer, "")
+      end if
+      if (.not. allocated(record%channel)) return
+      call put(writer, "# columns:")
+      do i = 1, size(record%channel)
+         call put(writer, " "//record%channel(i)%text)
+      end do
+      call put_line(writer, "")
+   end subroutine put_header
 
 end module gyroakf_io_columns_writer

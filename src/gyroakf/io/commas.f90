@@ -13,7 +13,7 @@ module gyroakf_io_commas
    use gyroakf_record, only : add_text
    implicit none (type, external)
    private
-   public :: settle_commas, decimal_comma, decimal_fields, seconds_comma, make_points, &
+   public :: choose_commas, decimal_comma, decimal_fields, seconds_comma, make_points, &
       comma_found, comma_advice
 
    !> The message for a decimal comma
@@ -25,7 +25,7 @@ module gyroakf_io_commas
    integer, parameter :: decimal_commas = 1, seconds_commas = 2
 
    !> So many lines at the start are looked at for decimal commas
-   integer, parameter :: looked_at = 64
+   integer, parameter :: max_lines = 64
    !> What parts words of a line besides commas
    character(*), parameter :: parting = " ;"//achar(9), digits = "0123456789"
    integer(int8), parameter :: tab = 9, blank = 32, quote = 34, apostrophe = 39, comma = 44, &
@@ -34,7 +34,7 @@ module gyroakf_io_commas
 contains
 
    !> Decides what commas are.
-   subroutine settle_commas(lines, decimal, table, error)
+   subroutine choose_commas(lines, decimal, table, error)
       !> The first line of numbers is at hand; decimal commas become points
       type(lines_type), intent(inout) :: lines
       logical, intent(in) :: decimal
@@ -51,16 +51,16 @@ contains
       else
          call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
          if (count_names(table%names) == fields%count) return
-         call recognise_commas(lines, table, error)
+         call find_decimal_commas(lines, table, error)
          if (allocated(error)) return
       end if
       call make_points(lines%bytes, lines%at, lines%last, table%layout%commas)
-   end subroutine settle_commas
+   end subroutine choose_commas
 
    !> Looks at the first lines for decimal commas: where every line has them or whole numbers
    !> between other separators, they are read; where they are likely but not sure it is an error,
    !> for they would be taken for separators.
-   subroutine recognise_commas(lines, table, error)
+   subroutine find_decimal_commas(lines, table, error)
       type(lines_type), intent(in) :: lines
       type(table_type), intent(inout) :: table
       type(error_type), allocatable, intent(out) :: error
@@ -73,7 +73,7 @@ contains
       sure = .true.
       commas = .false.
       likely = 0
-      do i = 0, looked_at - 1
+      do i = 0, max_lines - 1
          if (at > lines%last) exit
          last = line_feed_from(lines%bytes, at)
          if (.not. is_no_row(lines%bytes, at, last - 1)) then
@@ -98,11 +98,11 @@ contains
          call place_error(error, lines%source%name, lines%number + line, lines%bytes, likely_at, &
             likely_last, likely, comma_found, comma_advice)
       end if
-   end subroutine recognise_commas
+   end subroutine find_decimal_commas
 
-   !> The byte of a comma that is a decimal comma, 0 where none is recognised.
+   !> The byte of a comma that is a decimal comma, 0 where none is recognized.
    !>
-   !> It is recognised in a line without decimal points where each comma stands between two digits
+   !> It is recognized in a line without decimal points where each comma stands between two digits
    !> and either other separators part fields of one comma at most (`1,5;2,3`), or the line has one
    !> comma with a leading zero behind it (`1,05`) or `-0` before it. `12:00:00,5` has none.
    pure integer(int64) function decimal_comma(bytes, first, last) result(at)

@@ -55,7 +55,6 @@ contains
       integer(int64), intent(in) :: origin
       !> s from the beginning of the day `origin`; of a long number what it is above `origin`
       real(dp), intent(out) :: value
-      !> False where there is none
       logical, intent(out) :: found
       integer(int64) :: p, whole, day
       integer(int8) :: mark
@@ -151,7 +150,6 @@ contains
 
    !> True for 0 to 9.
    pure elemental logical function is_digit(byte)
-      !> Any
       integer(int8), intent(in) :: byte
 
       is_digit = byte >= zero .and. byte <= nine
@@ -281,10 +279,8 @@ contains
       integer(int8), intent(in), contiguous :: bytes(:)
       !> First byte; afterwards the byte behind what was read
       integer(int64), intent(inout) :: p
-      !> Its whole part and its decimals
       integer(int64), intent(out) :: whole
       real(dp), intent(out) :: part
-      !> False where there is none
       logical, intent(out) :: found
       logical :: below
       integer :: digits

@@ -32,7 +32,6 @@ contains
 
    !> A number with so many significant digits, as C's `%.{digits}g`: 0.25, 1e-05; "nan", "-inf".
    pure function format_real(value, digits) result(text)
-      !> Any number
       real(dp), intent(in) :: value
       !> 1 to 17; 0: as few as read back to the same number, at most 17
       integer, intent(in) :: digits
@@ -49,9 +48,7 @@ contains
       !> As those of [[format_real]]
       real(dp), intent(in) :: value
       integer, intent(in) :: digits
-      !> Filled from the start
       character(longest_real), intent(inout) :: text
-      !> Characters used
       integer, intent(out) :: length
       integer(int64) :: whole
       integer :: exponent, wanted
@@ -140,8 +137,7 @@ contains
    !> Pieces of constant length are copied, longer than what is used: without a call.
    pure subroutine lay_out(whole, exponent, wanted, text, length)
       integer(int64), intent(in) :: whole
-      integer, intent(in) :: exponent
-      integer, intent(in) :: wanted
+      integer, intent(in) :: exponent, wanted
       character(longest_real), intent(inout) :: text
       integer, intent(inout) :: length
       character(36) :: digit
@@ -230,7 +226,6 @@ contains
    !>
    !> The number is whole * 10^exponent; trailing zeros are not taken out.
    pure subroutine shortest_digits(value, whole, exponent)
-      !> Positive and finite
       real(dp), intent(in) :: value
       !> 1 to 17 digits
       integer(int64), intent(out) :: whole

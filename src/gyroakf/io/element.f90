@@ -41,9 +41,7 @@ contains
    pure subroutine parse_element(word, element, known)
       !> Without le or be: little endian
       character(*), intent(in) :: word
-      !> What it means
       type(element_type), intent(out) :: element
-      !> False where it means nothing
       logical, intent(out) :: known
       character(:), allocatable :: base
 
@@ -65,7 +63,6 @@ contains
 
    !> The word for it, filled with blanks: "i16le"; without an order where it is one byte.
    pure function element_word(element) result(word)
-      !> Any
       type(element_type), intent(in) :: element
       character(5) :: word
       character(2) :: bits
@@ -77,7 +74,6 @@ contains
 
    !> Its name, filled with blanks: "float32", "uint8", "bool", "structured"; big endian is said.
    pure function element_name(element) result(name)
-      !> Any
       type(element_type), intent(in) :: element
       character(18) :: name
       character(12) :: bits
@@ -100,7 +96,6 @@ contains
 
    !> True for what this machine computes with: double precision in its own byte order.
    pure logical function is_native(element)
-      !> Any
       type(element_type), intent(in) :: element
 
       is_native = element%kind == "f" .and. element%bytes == 8 .and. &
@@ -111,9 +106,7 @@ contains
    subroutine swap_elements(address, count, element)
       !> Of the first number, aligned for it
       type(c_ptr), intent(in) :: address
-      !> How many
       integer(int64), intent(in) :: count
-      !> As stored
       type(element_type), intent(in) :: element
       integer(int8), pointer, contiguous :: bytes(:, :)
       integer(int8) :: byte
@@ -136,7 +129,6 @@ contains
    subroutine convert_elements(address, element, first, step, value, rounded)
       !> Of the first number, aligned for it
       type(c_ptr), intent(in) :: address
-      !> As stored
       type(element_type), intent(in) :: element
       !> The number that goes into value(1), from 1, and the distance to the next
       integer(int64), intent(in) :: first, step
@@ -192,7 +184,6 @@ contains
       if (btest(bits, 15)) half = -half
    end function half
 
-   !> Single precision.
    elemental real(dp) function single(bits)
       integer(int32), intent(in) :: bits
 
@@ -203,7 +194,6 @@ contains
       end if
    end function single
 
-   !> Double precision.
    elemental real(dp) function double(bits)
       integer(int64), intent(in) :: bits
 
@@ -224,7 +214,6 @@ contains
 
    !> What was read in place: infinities and NaN of any kind become a quiet NaN.
    pure subroutine drop_infinite(value)
-      !> As read
       real(dp), intent(inout), contiguous :: value(:)
       integer(int64) :: i
 

@@ -12,12 +12,12 @@ module gyroakf_io_findings
    use gyroakf_units, only : quantity, unit_type
    implicit none (type, external)
    private
-   public :: tell, survey_columns
+   public :: add_findings, survey_columns
 
 contains
 
    !> Lines of what is odd, and the warnings about it.
-   subroutine tell(table, record)
+   subroutine add_findings(table, record)
       type(table_type), intent(in) :: table
       type(record_type), intent(inout) :: record
       character(13), parameter :: what(3) = [character(13) :: "equal stamp", "backward step", "gap"]
@@ -34,7 +34,27 @@ contains
          "a jump of the time stamps is too long to be filled with missing samples; the parts "// &
          "before and after it are joined: analyze them apart with `from` and `to`")
       call explain_rates(record)
-      call tell_odd(record)
+      associate (audit => record%audit)
+         if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")// &
+            " with stamp and values of the row above: left out; the first is in line "// &
+            integer_text(audit%line_of_repeat), note=.true.)
+         if (audit%untimed > 0 .and. audit%has_stamps) call add_text(record%warnings, &
+            counted(audit%untimed, "row")//" without a time: left out; the first is in line "// &
+            integer_text(audit%line_of_untimed))
+         if (audit%rollovers > 0) call add_text(record%warnings, "the time starts again after "// &
+            format_real(audit%rollover_period, 12)//" s in "//counted(audit%rollovers, "place")// &
+            " and is continued; the first is in line "//integer_text(audit%line_of_rollover), &
+            note=.true.)
+         if (audit%bursts > 0) call add_text(record%warnings, &
+            "samples were delivered late and several at once in "// &
+            counted(audit%bursts, "place")//", up to "//integer_text(audit%longest_burst)// &
+            " at once; the first is in line "//integer_text(audit%line_of_burst))
+         if (audit%rate_changes > 0) call add_text(record%warnings, "the rate changes from "// &
+            format_real(audit%rate_before, 6)//" Hz to "//format_real(audit%rate_after, 6)// &
+            " Hz in line "//integer_text(audit%line_of_change)// &
+            trim(merge(", the first of several changes", "                              ", &
+            audit%rate_changes > 1))//"; analyze the parts apart with `from` and `to`")
+      end associate
       if (record%audit%jitter_max > 1.0_dp*record%sample_interval .and. record%rate_known .and. &
          .not. placed(record)) then
          call add_text(record%warnings, "the time stamps are up to "// &
@@ -49,7 +69,7 @@ contains
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
          " could not be read and "//trim(merge("counts", "count ", table%bad_lines == 1))// &
          " as missing; the first is line "//integer_text(table%first_bad_line))
-   end subroutine tell
+   end subroutine add_findings
 
    !> Double steps at even distances: two sample rates, one with lost samples, explain the stamps.
    subroutine explain_rates(record)
@@ -81,32 +101,6 @@ contains
       if (placed) placed = record%resample /= "index"
    end function placed
 
-   subroutine tell_odd(record)
-      type(record_type), intent(inout) :: record
-
-      associate (audit => record%audit)
-         if (audit%repeated > 0) call add_text(record%warnings, counted(audit%repeated, "row")// &
-            " with stamp and values of the row above: left out; the first is in line "// &
-            integer_text(audit%line_of_repeat), note=.true.)
-         if (audit%untimed > 0 .and. audit%has_stamps) call add_text(record%warnings, &
-            counted(audit%untimed, "row")//" without a time: left out; the first is in line "// &
-            integer_text(audit%line_of_untimed))
-         if (audit%rollovers > 0) call add_text(record%warnings, "the time starts again after "// &
-            format_real(audit%rollover_period, 12)//" s in "//counted(audit%rollovers, "place")// &
-            " and is continued; the first is in line "//integer_text(audit%line_of_rollover), &
-            note=.true.)
-         if (audit%bursts > 0) call add_text(record%warnings, &
-            "samples were delivered late and several at once in "// &
-            counted(audit%bursts, "place")//", up to "//integer_text(audit%longest_burst)// &
-            " at once; the first is in line "//integer_text(audit%line_of_burst))
-         if (audit%rate_changes > 0) call add_text(record%warnings, "the rate changes from "// &
-            format_real(audit%rate_before, 6)//" Hz to "//format_real(audit%rate_after, 6)// &
-            " Hz in line "//integer_text(audit%line_of_change)// &
-            trim(merge(", the first of several changes", "                              ", &
-            audit%rate_changes > 1))//"; analyze the parts apart with `from` and `to`")
-      end associate
-   end subroutine tell_odd
-
    !> "1 row", "2 rows".
    pure function counted(number, noun) result(text)
       integer(int64), intent(in) :: number
@@ -119,11 +113,9 @@ contains
 
    !> Fills `record%column`.
    subroutine survey_columns(table, keep, ranges, record)
-      !> Its rows are in the store
       type(table_type), intent(in) :: table
       !> Columns that become channels: [chosen column]
       logical, intent(in) :: keep(:)
-      !> Ranges and steps are wanted
       logical, intent(in) :: ranges
       type(record_type), intent(inout) :: record
       type(unit_type) :: unit

@@ -2,18 +2,18 @@
 !> The first row of a table in text: it decides how rows are split and which columns there are.
 module gyroakf_io_first_row
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
-   use gyroakf_io_commas, only : settle_commas
+   use gyroakf_io_commas, only : choose_commas
    use gyroakf_io_stamp_field, only : is_day_first
-   use gyroakf_io_leave_out, only : is_text
+   use gyroakf_io_column_choice, only : is_text
    use gyroakf_io_lines, only : lines_type, map_row
    use gyroakf_io_labels, only : name_fields
    use gyroakf_io_marks, only : find_marks, marks_type, strip_lines
    use gyroakf_io_place, only : integer_text, line_error, place_error
    use gyroakf_io_preamble, only : read_preamble
    use gyroakf_io_reader_options, only : reader_options
-   use gyroakf_io_rows, only : excerpt, join_fields
+   use gyroakf_io_row, only : excerpt, join_fields
    use gyroakf_io_selection, only : find_interleaved, find_kinds_of_records, first_rows, &
       set_condition
    use gyroakf_io_stamp_columns, only : find_joined, find_kinds, pair_stamps
@@ -30,7 +30,6 @@ contains
    subroutine begin_table(lines, options, table, error)
       type(lines_type), intent(inout) :: lines
       type(reader_options), intent(in) :: options
-      !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: io, parse, invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -42,8 +41,7 @@ contains
       call read_preamble(lines, options, table, error)
       if (allocated(error)) return
       allocate (as_read, source=lines%bytes, stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, &
-         "no memory for the first rows of "//table%name)
+      call check_memory(failed, "the first rows of "//table%name, error)
       if (allocated(error)) return
       call lay_out(lines, options, table, error)
       if (table%layout%marked) call move_alloc(as_read, lines%bytes)
@@ -63,7 +61,7 @@ contains
 
       call take_marks(lines, table, error)
       if (allocated(error)) return
-      call settle_commas(lines, options%decimal_comma, table, error)
+      call choose_commas(lines, options%decimal_comma, table, error)
       if (allocated(error)) return
       call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
       if (fields%count > most_columns) call place_error(error, table%name, lines%number, &
@@ -111,8 +109,7 @@ contains
       end if
       call find_kinds(lines%bytes, fields, table%layout)
       call first_rows(lines%bytes, lines%at, lines%last, table%layout, field, failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, &
-         "no memory for the first rows of "//table%name)
+      call check_memory(failed, "the first rows of "//table%name, error)
       if (allocated(error)) return
       texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), &
          j=1, size(field, 2))]
@@ -149,6 +146,7 @@ contains
       raw = lines%bytes(:lines%to)
       call strip_lines(lines%bytes, lines%at, lines%last, table%layout)
       call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
+      if (fields%count > most_columns) return
       call name_fields(raw, lines%at, fields, table%names, array)
       if (table%names%line == 0) table%names%line = lines%number
       if (array > 0 .and. lines%to + 1 == lines%filled) array = -array

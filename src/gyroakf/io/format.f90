@@ -11,7 +11,7 @@ module gyroakf_io_format
    use gyroakf_spelling, only : lower, replace_all
    implicit none (type, external)
    private
-   public :: content_type, recognise
+   public :: content_type, recognize_content
 
    !> What a file holds
    type :: content_type
@@ -98,7 +98,7 @@ module gyroakf_io_format
 contains
 
    !> What the first block of a file holds.
-   subroutine recognise(bytes, name, content)
+   subroutine recognize_content(bytes, name, content)
       !> The first bytes: some thousands, or all there are
       integer(int8), intent(in), contiguous :: bytes(:)
       !> Of the file: its end counts where the content alone does not tell
@@ -140,7 +140,7 @@ contains
       content%what = "binary"
       content%advice = binary_advice
       if (nulls == controls) call explain_nulls(bytes, name, nulls, content)
-   end subroutine recognise
+   end subroutine recognize_content
 
    !> Bytes that are 0 and no other control characters: UTF-16 without its mark, or text with holes.
    subroutine explain_nulls(bytes, name, nulls, content)

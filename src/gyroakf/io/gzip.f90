@@ -81,9 +81,7 @@ contains
       type(inflater_type), intent(inout), target :: inflater
       !> Number of new bytes in `input`, 0 unless those before are consumed
       integer(int64), intent(in) :: fresh
-      !> Filled from its first byte
       integer(int8), intent(inout), contiguous, target :: buffer(:)
-      !> Number of bytes written
       integer(int64), intent(out) :: got
       !> True where the last member is complete and nothing follows
       logical, intent(out) :: whole

@@ -5,16 +5,15 @@
 module gyroakf_io_header
    use gyroakf_kinds, only : dp, int64
    use gyroakf_column_class, only : noteless_length
-   use gyroakf_error, only : error_type
-   use gyroakf_io_columns, only : column_names_type, read_names
+   use gyroakf_io_columns, only : column_names_type, names_way, read_names
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_number, only : number, scan_number
    use gyroakf_io_place, only : integer_text, shown_bytes
-   use gyroakf_io_text, only : bytes_text, first_visible, last_visible
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, last_visible, split_line
    use gyroakf_record, only : add_text, text_type
    use gyroakf_spelling, only : lower
-   use gyroakf_units, only : parse_unit, time_scale, unit_type
+   use gyroakf_units, only : quantity, recognize_unit, time_scale, unit_type
    implicit none (type, external)
    private
    public :: header_type, read_comment, smallest_rate, largest_rate
@@ -122,45 +121,42 @@ contains
       character(*), intent(in) :: key
       type(header_type), intent(inout) :: header
       type(text_type), allocatable :: words(:)
-      type(unit_type) :: unit, last_unit
-      type(error_type), allocatable :: failed
-      character(:), allocatable :: value
-      integer :: i, several, last_words
-      logical :: known
+      type(unit_type) :: unit
+      type(unit_type), allocatable :: each(:), behind(:)             ! of the words, of their ends
+      type(fields_type) :: fields
+      character(:), allocatable :: value, word
+      integer(int64) :: to
+      integer :: i
 
       value = bytes_text(lines%bytes, first, last)
       value = value(:noteless_length(value))
-      call parse_unit(value, unit, failed)
-      known = .not. allocated(failed)
-      if (.not. known) then
-         call split_words(value, words)
-         several = 0
-         do i = 1, size(words)
-            call parse_unit(words(i)%text, unit, failed)
-            if (.not. allocated(failed)) several = several + 1
+      to = first + len(value) - 1
+      call recognize_unit(value, unit)
+      if (unit%quantity == quantity%unknown) then
+         call split_line(lines%bytes, first, to, names_way(lines%bytes, first, to), fields)
+         allocate (words(0))
+         do i = 1, fields%count
+            word = bytes_text(lines%bytes, fields%first(i), fields%last(i))
+            if (len(word) > 0) call add_text(words, word)
          end do
-         if (several > 0 .and. size(words) > 1 .and. &
-            (several == size(words) .or. key == "units")) then
+         allocate (each(size(words)), behind(size(words)))
+         do i = 1, size(words)
+            word = words(i)%text
+            call recognize_unit(word, each(i))
+            call recognize_unit(word(index(word, " ", back=.true.) + 1:), behind(i))
+         end do
+         if (size(words) > 1 .and. any(each%quantity /= quantity%unknown) .and. &
+            (all(each%quantity /= quantity%unknown) .or. key == "units")) then
             call move_alloc(words, header%units)
             header%unit = unit_type()
             return
          end if
-         call parse_unit(value(:scan(value//" ", " ,;"//achar(9)) - 1), unit, failed)
-         known = .not. allocated(failed)
+         call recognize_unit(value(:scan(value//" ", " ,;"//achar(9)) - 1), unit)
+         if (unit%quantity == quantity%unknown .and. key == "units" .and. &
+            count(behind%quantity /= quantity%unknown) == 1) unit = &        ! names before units
+            behind(findloc(behind%quantity /= quantity%unknown, .true., dim=1))
       end if
-      if (.not. known .and. key == "units") then                 ! names stand before the units
-         last_words = 0
-         do i = 1, size(words)
-            associate (word => words(i)%text)
-               call parse_unit(word(index(word, " ", back=.true.) + 1:), last_unit, failed)
-            end associate
-            if (allocated(failed)) cycle
-            last_words = last_words + 1
-            unit = last_unit
-         end do
-         known = last_words == 1
-      end if
-      if (.not. known) then
+      if (unit%quantity == quantity%unknown) then
          call warn(lines, first, key, "is not known", header%unit_warnings)
          if (index(value, "increment") > 0) call add_text(header%unit_warnings, &
             "if the numbers are increments of an angle, say so: `input` increment, `unit` "// &
@@ -170,25 +166,6 @@ contains
          if (allocated(header%units)) deallocate (header%units)
       end if
    end subroutine read_unit
-
-   !> Words between commas and semicolons where there are any, else between blanks and tabs.
-   pure subroutine split_words(text, words)
-      character(*), intent(in) :: text
-      type(text_type), allocatable, intent(out) :: words(:)
-      character(:), allocatable :: signs
-      integer :: from, to
-
-      signs = " "//achar(9)
-      if (scan(text, ",;") > 0) signs = ",;"
-      allocate (words(0))
-      from = 1
-      do while (from <= len(text))
-         to = scan(text(from:), signs)
-         to = merge(len(text), from + to - 2, to == 0)
-         if (len_trim(text(from:to)) > 0) call add_text(words, trim(adjustl(text(from:to))))
-         from = to + 2
-      end do
-   end subroutine split_words
 
    subroutine warn(lines, first, key, what, warnings)
       type(lines_type), intent(in) :: lines

@@ -4,20 +4,19 @@
 module gyroakf_io_heading
    use gyroakf_kinds, only : int8, int64
    use gyroakf_column_class, only : is_time_name, is_unit
-   use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, &
-      read_names, take_brackets_off
+   use gyroakf_io_columns, only : column_names_type, count_names, join_names, names_way, read_names
    use gyroakf_io_date, only : is_digit
-   use gyroakf_io_leave_out, only : is_text
+   use gyroakf_io_column_choice, only : is_text
    use gyroakf_io_lines, only : lines_type
    use gyroakf_io_marks, only : find_marks, marks_type
    use gyroakf_io_number, only : is_missing_field
    use gyroakf_io_rows, only : layout_type
-   use gyroakf_io_text, only : begins_with_semicolon, bytes_text, fields_type, first_visible, &
+   use gyroakf_io_text, only : bytes_text, fields_type, first_visible, &
       has_fields, is_no_row, last_visible, line_feed_from, split, split_line
    implicit none (type, external)
    private
-   public :: only_words, find_pattern, alike, is_setting, labels_are_names, begins_with_names, &
-      suppose_names, suppose_record_names, take_heading
+   public :: only_words, find_pattern, alike, is_setting, labels_are_names, suppose_names, &
+      suppose_record_names, take_heading
 
    !> So many lines below one that may be a setting are looked at
    integer, parameter :: most_ahead = 256
@@ -25,23 +24,23 @@ module gyroakf_io_heading
 contains
 
    !> True for a line that holds words and nothing like a number: names of columns.
-   logical function only_words(lines)
-      type(lines_type), intent(in) :: lines
+   pure logical function only_words(bytes, first, last)
+      !> Holds the line and its end
+      integer(int8), intent(in), contiguous :: bytes(:)
+      integer(int64), intent(in) :: first, last
       type(fields_type) :: fields
       integer :: i
+      logical :: numbers
 
       only_words = .false.
-      call split_line(lines%bytes, lines%at, lines%to, &
-         names_way(lines%bytes, lines%at, lines%to), fields)
+      numbers = .false.
+      call split_line(bytes, first, last, names_way(bytes, first, last), fields)
       do i = 1, fields%count
          if (fields%last(i) < fields%first(i)) cycle
-         if (begins_like_number(lines%bytes, fields%first(i))) then
-            only_words = .false.
-            return
-         end if
-         only_words = only_words .or. &
-            .not. is_missing_field(lines%bytes, fields%first(i), fields%last(i))
+         numbers = numbers .or. begins_like_number(bytes, fields%first(i))
+         only_words = only_words .or. .not. is_missing_field(bytes, fields%first(i), fields%last(i))
       end do
+      only_words = only_words .and. .not. numbers
    end function only_words
 
    !> What the fields of a line hold: "n" a number, right or wrong, "t" a word, "-" a missing one.
@@ -51,9 +50,12 @@ contains
       character(:), allocatable, intent(out) :: pattern
       type(marks_type), intent(out) :: marks
       type(fields_type) :: fields
-      integer(int8) :: line(last - first + 1)
-      integer :: j
+      integer(int8), allocatable :: line(:)
+      integer :: j, failed
 
+      pattern = ""
+      allocate (line(last - first + 1), stat=failed)
+      if (failed /= 0) return
       line(:) = bytes(first:last)
       if (any(line == iachar(";"))) then
          where (line == iachar(",")) line = iachar(".")                         ! decimal commas
@@ -150,16 +152,6 @@ contains
          scan(pattern(j:j)//other(j:j), "- ") > 0, j=1, len(pattern))])
    end function alike
 
-   !> True for names between semicolons of which the first is empty.
-   logical function begins_with_names(lines)
-      type(lines_type), intent(in) :: lines
-
-      begins_with_names = begins_with_semicolon(lines%bytes, lines%at, lines%to)
-      if (begins_with_names) begins_with_names = &
-         count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1
-      if (begins_with_names) begins_with_names = only_words(lines)
-   end function begins_with_names
-
    !> True for a byte that a name does not begin with, perhaps behind brackets: what begins so, or
    !> with U+2212, is a number, right or wrong.
    pure recursive logical function begins_like_number(bytes, at) result(begins)
@@ -205,7 +197,7 @@ contains
       type(column_names_type), intent(inout) :: names
       logical, intent(out) :: taken
       type(column_names_type) :: words
-      integer :: i, units, others
+      integer :: i, last, units, others
 
       call read_names(lines%bytes, lines%at, lines%to, lines%number, words)
       taken = count_names(words) == count_names(names)
@@ -213,7 +205,13 @@ contains
       units = 0
       others = 0
       do i = 1, size(words%name)
-         if (scan(words%name(i)%text, "[(") == 1) call take_brackets_off(words%name(i)%text)
+         associate (word => words%name(i)%text)
+            last = len(word)
+            if (scan(word, "[(") == 1) then
+               if (last > 1 .and. scan(word, "])", back=.true.) == last) last = last - 1
+               words%name(i)%text = trim(adjustl(word(2:last)))
+            end if
+         end associate
          if (len(words%name(i)%text) == 0) cycle
          units = units + merge(1, 0, is_unit(words%name(i)%text))
          others = others + merge(0, 1, is_unit(words%name(i)%text))
@@ -231,7 +229,6 @@ contains
       type(column_names_type), intent(inout) :: supposed
       type(column_names_type) :: names
       integer(int64) :: from, to
-      integer :: i
 
       if (scan(bytes_text(lines%bytes, lines%at, lines%to), ":=") > 0) return
       from = lines%at - 1 + verify(bytes_text(lines%bytes, lines%at, lines%to)//"x", "#%;/! "// &
@@ -241,14 +238,8 @@ contains
       call read_names(lines%bytes, from, to, lines%number, names)
       if (count_names(names) < 2) return
       if (names_way(lines%bytes, from, to) == split%mixed .and. &
-         .not. is_time_name(names%name(1)%text)) return
-      do i = 1, size(names%name)
-         if (len(names%name(i)%text) == 0) cycle
-         if (scan(names%name(i)%text(1:1), "+-0123456789") > 0) return
-         if (names%name(i)%text(1:1) == "." .and. &
-            scan(names%name(i)%text, "0123456789") == 2) return
-      end do
-      supposed = names
+         .not. is_time_name(names%name(1)%text, "")) return
+      if (only_words(lines%bytes, from, to)) supposed = names
    end subroutine suppose_names
 
    !> Takes the words behind the name of a record for the names of its fields: `FMT, 134, 51, IMU,
@@ -260,7 +251,6 @@ contains
       integer(int8), intent(in), contiguous :: record(:)
       !> Left alone where there are no words behind the name, or numbers among them
       type(column_names_type), intent(inout) :: supposed
-      type(column_names_type) :: names
       integer :: j
 
       do j = 1, fields%count - 2
@@ -268,12 +258,9 @@ contains
          if (all(bytes(fields%first(j):fields%last(j)) == record)) exit
       end do
       if (j > fields%count - 2) return
-      call read_names(bytes, fields%first(j + 1), fields%last(fields%count), line, names)
-      do j = 1, size(names%name)
-         if (verify(names%name(j)%text(:min(1, len(names%name(j)%text))), &
-            "+-.0123456789") == 0) return
-      end do
-      supposed = names
+      associate (first => fields%first(j + 1), last => fields%last(fields%count))
+         if (only_words(bytes, first, last)) call read_names(bytes, first, last, line, supposed)
+      end associate
    end subroutine suppose_record_names
 
 end module gyroakf_io_heading

@@ -21,7 +21,6 @@ contains
       !> Holds the line at first with its marks
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first
-      !> Of the line without them
       type(fields_type), intent(in) :: fields
       !> Those of the cells; afterwards of the fields, unless their number is another one
       type(column_names_type), intent(inout) :: names

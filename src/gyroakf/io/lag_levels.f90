@@ -11,7 +11,7 @@ module gyroakf_io_lag_levels
 
    !> Samples of a block; blocks of the longest window; positions looked at; samples between levels
    integer, parameter :: block_rows = 16, most_blocks = 64
-   integer(int64), parameter :: looked_at = 2001, distant = 2048
+   integer(int64), parameter :: max_places = 2001, distant = 2048
 
 contains
 
@@ -19,7 +19,6 @@ contains
    subroutine find_levels(t, cadence, level, rows, step, rise, longest)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Of the stamps
       type(cadence_type), intent(in) :: cadence
       !> Mean stamps, s: [block]; none where there are fewer than 12 blocks of 16 samples
       real(dp), allocatable, intent(out) :: level(:)
@@ -66,8 +65,7 @@ contains
       real(dp), intent(in), contiguous :: level(:)
       real(dp), intent(in) :: rough
       integer, intent(out) :: window
-      real(dp), intent(out) :: scatter
-      real(dp), intent(out) :: step
+      real(dp), intent(out) :: scatter, step
       real(dp) :: middle, found, usual
       real(dp), allocatable :: rise(:)
       integer(int64), allocatable :: b(:)
@@ -86,7 +84,9 @@ contains
          b = w + spread_over(blocks - 2*w)
          rise = [((sum(level(b(k) + 1:b(k) + w)) - sum(level(b(k) - w:b(k) - 1)))/w, k=1, size(b))]
          middle = middle_mean(rise)
-         found = spread_of(abs(rise - middle))/usual
+         rise = sorted(abs(rise - middle))        ! its median, and four fifths, of a normal scatter
+         found = max(1.4826_dp*rise((size(rise) + 1)/2), &
+            0.7803_dp*rise(max(1, (4*size(rise))/5)))/usual
          if (found < 0.8_dp*scatter) then
             scatter = found
             window = w
@@ -100,7 +100,7 @@ contains
    !> Places from 1 to `last`, evenly spread: so many that they tell a scatter.
    pure function spread_over(last) result(place)
       integer(int64), intent(in) :: last
-      integer(int64) :: place(min(looked_at, last)), k
+      integer(int64) :: place(min(max_places, last)), k
 
       place(:) = [(1 + ((k - 1)*(last - 1))/max(size(place) - 1, 1), k=1, size(place, kind=int64))]
    end function spread_over
@@ -116,15 +116,6 @@ contains
       cut = size(y)/5
       middle_mean = sum(y(cut + 1:size(y) - cut))/(size(y) - 2*cut)
    end function middle_mean
-
-   !> Standard deviation from distances, by their median and by four fifths of them.
-   real(dp) function spread_of(distance)
-      real(dp), intent(in) :: distance(:)
-      real(dp) :: y(size(distance))
-
-      y = sorted(distance)
-      spread_of = max(1.4826_dp*y((size(y) + 1)/2), 0.7803_dp*y(max(1, (4*size(y))/5)))
-   end function spread_of
 
    !> Where a tick of the clock is about the step or several steps, the two beat: the lag of a clock
    !> that counts in nearly a whole number of steps jumps by one at each beat. Where no window

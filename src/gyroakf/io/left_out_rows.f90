@@ -7,7 +7,7 @@
 module gyroakf_io_left_out_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_io_cadence, only : cadence_type, find_step, new_steps, steps_type
    use gyroakf_record, only : audit_type
    implicit none (type, external)
@@ -38,7 +38,7 @@ contains
       allocate (dropped(0))
       if (without == 0 .and. .not. any_repeats(t, value)) return
       allocate (keep(n), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory to leave out rows")
+      call check_memory(failed, "leaving out rows", error)
       if (allocated(error)) return
       keep(:) = .true.
       if (without > 0) call place_untimed(t, value, keep, audit, error)
@@ -47,7 +47,7 @@ contains
       if (all(keep)) return
       dropped = pack([(i, i=1, n)], .not. keep)
       allocate (kept(count(keep), size(value, 2)), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a part of the rows")
+      call check_memory(failed, "a part of the rows", error)
       if (allocated(error)) return
       do j = 1, size(value, 2)
          kept(:, j) = pack(value(:, j), keep)

@@ -2,16 +2,14 @@
 !> A source of bytes as blocks of whole lines, and which line a row stood in.
 module gyroakf_io_lines
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_io_number, only : digits_ahead
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_text, only : line_end_from, line_feed_from
    use gyroakf_io_source, only : has_places, open_source, read_block, source_left, source_type
    implicit none (type, external)
    private
-   public :: lines_type, open_lines, more_lines, reserve_bytes, check_length, end_last_line, &
-      turn_returns
-   public :: next_line, line_map_type, map_row, line_of
+   public :: lines_type, open_lines, more_lines, next_line, line_map_type, map_row, line_of
 
    !> Bytes of the first block
    integer(int64), parameter :: block_size = 1048576
@@ -58,7 +56,6 @@ contains
    subroutine open_lines(lines, path, error, bytes)
       !> Its source is to be closed by [[close_source]]
       type(lines_type), intent(out) :: lines
-      !> A path; "-" is standard input
       character(*), intent(in) :: path
       !> Allocated where it cannot be opened or read: io, no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -72,9 +69,9 @@ contains
       capacity = block_size
       if (has_places(lines%source)) capacity = min(capacity, lines%source%length + 64)
       allocate (lines%bytes(capacity + behind), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for a block of "//path)
+      call check_memory(failed, "a block of "//path, error)
       if (allocated(error)) return
-      call fill(lines, error)
+      call fill(lines, capacity, error)
       if (allocated(error)) return
       if (lines%filled >= 3) then
          if (all(lines%bytes(:3) == [-17_int8, -69_int8, -65_int8])) lines%at = 4
@@ -83,23 +80,26 @@ contains
                            .and. .not. any(lines%bytes(:lines%filled - 1) == line_feed)
       call find_last(lines, lines%at)
       allocate (lines%head(lines%last), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, &
-         "no memory for the beginning of "//path)
+      call check_memory(failed, "the beginning of "//path, error)
       if (failed == 0) lines%head(:) = lines%bytes(:lines%last)
    end subroutine open_lines
 
    !> Provides one whole line at least; there is none (at > last) at the end of the source only.
-   subroutine more_lines(lines, error)
+   subroutine more_lines(lines, error, wanted)
       type(lines_type), intent(inout) :: lines
       !> Allocated where reading fails: io, no_memory
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: rest
+      !> Bytes that are read at once
+      integer(int64), intent(in), optional :: wanted
+      integer(int64) :: rest, block
 
+      block = block_size/2
+      if (present(wanted)) block = wanted
       do while (lines%at > lines%last .and. .not. lines%ended)
-         call reserve_bytes(lines, block_size/2, error)
+         call reserve_bytes(lines, block, error)
          if (allocated(error)) return
          rest = lines%filled
-         call fill(lines, error)
+         call fill(lines, block, error)
          if (allocated(error)) return
          call find_last(lines, rest + 1)
       end do
@@ -138,18 +138,19 @@ contains
       lines%filled = rest
    end subroutine reserve_bytes
 
-   subroutine fill(lines, error)
+   !> Reads so many bytes behind those that are filled.
+   subroutine fill(lines, wanted, error)
       type(lines_type), intent(inout) :: lines
+      integer(int64), intent(in) :: wanted
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: got, free, expected
+      integer(int64) :: got, expected
 
-      free = size(lines%bytes, kind=int64) - behind - lines%filled
-      expected = min(free, source_left(lines%source))
-      call read_block(lines%source, lines%bytes(lines%filled + 1:lines%filled + free), got, error)
+      expected = min(wanted, source_left(lines%source))
+      call read_block(lines%source, lines%bytes(lines%filled + 1:lines%filled + wanted), got, error)
       if (.not. allocated(error)) call check_length(lines, expected, got, error)
       if (allocated(error)) return
       lines%filled = lines%filled + got
-      lines%ended = got < free
+      lines%ended = got < wanted .or. source_left(lines%source) == 0
       if (lines%ended) call end_last_line(lines, error)
    end subroutine fill
 
@@ -176,7 +177,6 @@ contains
    !> Gives the last line of the source a line feed; where the file has grown since it was opened,
    !> and had been cut within a line, the rest of this line first.
    subroutine end_last_line(lines, error)
-      !> All its bytes were read
       type(lines_type), intent(inout) :: lines
       !> Allocated where reading fails: io, no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -203,28 +203,23 @@ contains
       lines%bytes(lines%filled) = line_feed
    end subroutine end_last_line
 
-   !> Carriage returns become line feeds.
-   pure subroutine turn_returns(bytes)
-      integer(int8), intent(inout), contiguous :: bytes(:)
-
-      where (bytes == carriage_return) bytes = line_feed
-   end subroutine turn_returns
-
    !> Finds the last line feed; what is new begins at `from`.
    subroutine find_last(lines, from)
       type(lines_type), intent(inout) :: lines
       integer(int64), intent(in) :: from
 
-      if (lines%only_returns) call turn_returns(lines%bytes(from:lines%filled))
-      lines%last = findloc(lines%bytes(from:lines%filled), line_feed, dim=1, back=.true., &
-         kind=int64)
+      associate (fresh => lines%bytes(from:lines%filled))
+         if (lines%only_returns) then
+            where (fresh == carriage_return) fresh = line_feed
+         end if
+         lines%last = findloc(fresh, line_feed, dim=1, back=.true., kind=int64)
+      end associate
       if (lines%last > 0) lines%last = lines%last + from - 1
       lines%bytes(lines%filled + 1:lines%filled + digits_ahead) = line_feed
    end subroutine find_last
 
    !> Leaves the line at `at` behind.
    pure subroutine next_line(lines)
-      !> With a whole line at hand
       type(lines_type), intent(inout) :: lines
 
       lines%at = line_feed_from(lines%bytes, lines%at) + 1
@@ -233,7 +228,6 @@ contains
 
    !> Notes that a row stands in a line, where that does not follow from the row before.
    subroutine map_row(map, row, line)
-      !> Grows where it has to
       type(line_map_type), intent(inout) :: map
       !> Both from 1, rising from call to call
       integer(int64), intent(in) :: row, line

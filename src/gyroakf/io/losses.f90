@@ -4,14 +4,16 @@
 !> The lag is followed from stamp to stamp where they are regular, and from block to block by the
 !> mean stamps where they are not ([[gyroakf_io_lag_levels]]). Every rise above a threshold begins a
 !> gap, where the stamps fit a step of the lag best; where they come sooner than the grid lets them,
-!> as after a late one, the last gap is given back.
+!> as after a late one, the last gap is given back. The pattern of losses among regular stamps
+!> distinguishes lost samples from the beat with a coarse clock.
 module gyroakf_io_losses
    use gyroakf_kinds, only : dp, int64
    use gyroakf_io_cadence, only : cadence_type
    use gyroakf_io_lag_levels, only : find_levels
+   use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
-   public :: gap_type, add_gap, find_losses
+   public :: gap_type, add_gap, find_losses, explain_losses
 
    !> Samples that were lost, and rows that are no samples
    type :: gap_type
@@ -34,13 +36,22 @@ module gyroakf_io_losses
    !> A rise in blocks is looked for so far back, not near an end; its longest step is near
    integer(int64), parameter :: farthest = 160, edge = 4, near = 2
 
+   !> Losses at even distances of so many samples or more are the beat of a clock that counts in
+   !> nearly the interval, unless all distances are equal and only the rate with losses is round
+   integer(int64), parameter :: longest_period = 50
+
+   !> What losses look like. Scattered, or none: samples were lost. Periodic, mostly single samples
+   !> at exactly even distances: every k-th was lost, or the clock counts in the interval. Beating,
+   !> at nearly even distances: the samples and a clock that counts in more than half of the
+   !> interval. A comb has such beats, and losses among them
+   integer, parameter :: scattered = 0, periodic = 1, beating = 2, comb = 3
+
 contains
 
    !> Finds the losses; again with the interval that follows from them, until it is right.
    subroutine find_losses(t, cadence, regular, gaps)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Of the stamps
       type(cadence_type), intent(in) :: cadence
       !> False: the mean stamps of blocks are followed
       logical, intent(in) :: regular
@@ -83,7 +94,6 @@ contains
       end do
    end subroutine follow_lag
 
-   !> Finds where the lag rises.
    pure subroutine find_gaps(t, level, rows, interval, rise, usual, gaps)
       !> Stamps, s; means of blocks of so many, or the stamps themselves
       real(dp), intent(in), contiguous :: t(:), level(:)
@@ -133,10 +143,9 @@ contains
       end do
    end subroutine find_gaps
 
-   !> Where and by how much the lag rises in a stretch: the step of least squares.
+   !> Where and by how much the lag rises behind sample `first`: the step of least squares.
    pure subroutine place_rise(t, first, last, rate, usual, before, lost)
       real(dp), intent(in), contiguous :: t(:)
-      !> The sample before the stretch, and its last one
       integer(int64), intent(in) :: first, last
       real(dp), intent(in) :: rate, usual
       !> The sample behind the longest step near it; 0 samples where that step is too short
@@ -192,9 +201,7 @@ contains
 
    !> Appends a gap; one behind the last lengthens it.
    pure subroutine add_gap(gaps, before, length)
-      !> Grows by one
       type(gap_type), intent(inout) :: gaps
-      !> Where, and how many samples
       integer(int64), intent(in) :: before, length
 
       if (gaps%count == size(gaps%before)) then
@@ -211,5 +218,102 @@ contains
       gaps%before(gaps%count) = before
       gaps%length(gaps%count) = length
    end subroutine add_gap
+
+   !> Decides whether losses at even distances are losses or the beat of the samples with a coarse
+   !> clock: those at exactly even distances below 50 samples are losses, others are not, unless the
+   !> given rate is nearer to that of the other explanation.
+   subroutine explain_losses(t, cadence, given, gaps, audit)
+      !> s, none missing: [n]
+      real(dp), intent(in), contiguous :: t(:)
+      type(cadence_type), intent(in) :: cadence
+      !> Sample rate that was given, Hz, 0 for none
+      real(dp), intent(in) :: given
+      !> Losses of single samples; fewer where they are none
+      type(gap_type), intent(inout) :: gaps
+      !> Its beats and the other rate are set
+      type(audit_type), intent(inout) :: audit
+      real(dp) :: grid_rate, beat_rate
+      integer(int64) :: distance
+      integer :: found
+      logical :: beat
+
+      call loss_pattern(gaps, cadence, size(t, kind=int64), found, distance)
+      if (found == scattered) return
+      grid_rate = 1.0_dp/cadence%step
+      if (found == comb) then
+         call find_losses(t, cadence, .false., gaps)
+         return
+      end if
+      beat = found == beating
+      beat_rate = grid_rate*real(distance, dp)/real(distance + 1, dp)
+      if (beat) beat_rate = real(size(t) - 1, dp)/(t(size(t)) - t(1))
+      if (given > 0.0_dp) beat = abs(given - beat_rate) < abs(given - grid_rate)
+      if (given <= 0.0_dp) audit%other_rate = merge(grid_rate, beat_rate, beat)
+      if (.not. beat) return
+      audit%beats = audit%beats + gaps%count
+      gaps%count = 0
+   end subroutine explain_losses
+
+   !> What the losses look like, and the samples from loss to loss where most are alike, else 0.
+   !> Where no beat is possible, with a fine clock, samples were lost.
+   pure subroutine loss_pattern(gaps, cadence, n, found, distance)
+      type(gap_type), intent(in) :: gaps
+      type(cadence_type), intent(in) :: cadence
+      integer(int64), intent(in) :: n
+      integer, intent(out) :: found
+      integer(int64), intent(out) :: distance
+      !> A clock that runs so much fast or slow explains up to three double steps, several at even
+      !> distances from each other and no farther from the ends
+      real(dp), parameter :: usual_drift = 3.0e-4_dp
+      integer(int64) :: between(max(gaps%count - 1, 0))
+      real(dp) :: usual
+      integer :: k, m, equal, beside, alike
+
+      found = scattered
+      distance = 0
+      m = gaps%count - 1
+      if (m < 0 .or. cadence%resolution < 0.5_dp*cadence%step) return
+      between(:) = gaps%before(2:gaps%count) - gaps%before(:m)
+      if (m < 3) then
+         if (any(gaps%length(:gaps%count) > 1)) return
+         if (m > 0) distance = maxval(between)
+         if (m > 0 .and. (10*minval(between) < 9*distance .or. 10*max(gaps%before(1), &
+                          n - gaps%before(gaps%count)) > 11*distance)) return
+         if (m > 0) found = periodic
+         if (real(gaps%count, dp) < usual_drift*real(n, dp)) found = beating
+         return
+      end if
+      equal = 0
+      do k = 1, min(m, 12)
+         alike = count(between == between(k))
+         if (alike <= equal) cycle
+         equal = alike
+         distance = between(k)
+      end do
+      beside = count(abs(between - distance) == 1)
+      usual = real(gaps%before(gaps%count) - gaps%before(1), dp)/real(m, dp)
+      alike = count(abs(real(between, dp) - usual) <= max(1.0_dp, 0.1_dp*usual))
+      if (2*count(gaps%length(:gaps%count) == 1) < gaps%count) return
+      if (2*equal >= m .and. 2*beside <= m - equal .and. distance < longest_period) then
+         found = periodic
+      else if (equal == m .and. m >= 20 .and. is_round(1.0_dp/cadence%step) .and. &
+               .not. is_round(real(distance, dp)/(real(distance + 1, dp)*cadence%step))) then
+         found = periodic
+      else if (10*alike >= 9*m .and. all(gaps%length(:gaps%count) == 1)) then
+         found = beating
+      else if (m >= 8 .and. 2*count(abs(between - distance) <= max(2_int64, &
+         distance/10)) >= m .and. distance >= longest_period) then
+         found = comb
+      end if
+   end subroutine loss_pattern
+
+   !> True for a rate of three digits.
+   pure logical function is_round(rate)
+      real(dp), intent(in) :: rate
+      real(dp) :: digits
+
+      digits = rate*10.0_dp**(2 - floor(log10(rate)))
+      is_round = abs(digits - anint(digits)) <= 1.0e-5_dp*digits
+   end function is_round
 
 end module gyroakf_io_losses

@@ -19,9 +19,12 @@ contains
    !>
    !> Limits are taken whole: much of what other processes use is cache that gives way.
    integer(int64) function free_memory() result(bytes)
-      real(dp) :: least
+      real(dp) :: least, space, used
 
-      least = min(memory_of("/proc/meminfo", "MemAvailable:"), address_space(), group_limit())
+      space = number_behind("/proc/self/limits", "Max address space")                ! ulimit -v
+      used = memory_of("/proc/self/status", "VmSize:")
+      if (space < no_limit .and. used < no_limit) space = max(0.0_dp, space - used)
+      least = min(memory_of("/proc/meminfo", "MemAvailable:"), space, group_limit())
       bytes = 0
       if (least < no_limit) bytes = int(least, int64)
    end function free_memory
@@ -30,7 +33,6 @@ contains
    real(dp) function memory_of(path, key) result(bytes)
       !> Of the form of /proc/meminfo
       character(*), intent(in) :: path
-      !> With its colon
       character(*), intent(in) :: key
 
       bytes = 1024.0_dp*number_behind(path, key)
@@ -64,15 +66,6 @@ contains
       if (failed /= 0 .or. i > most_lines) text = ""
    end function text_behind
 
-   !> What `ulimit -v` leaves of the address space.
-   real(dp) function address_space() result(bytes)
-      real(dp) :: used
-
-      bytes = number_behind("/proc/self/limits", "Max address space")
-      used = memory_of("/proc/self/status", "VmSize:")
-      if (bytes < no_limit .and. used < no_limit) bytes = max(0.0_dp, bytes - used)
-   end function address_space
-
    !> The least limit of the control groups of this process, of both versions.
    real(dp) function group_limit() result(bytes)
       character(*), parameter :: mine = "/proc/self/cgroup", root = "/sys/fs/cgroup"
@@ -85,12 +78,7 @@ contains
 
    !> The least number in the files of a name in a directory and those above it, up to a root.
    real(dp) function least_limit(root, directory, name) result(bytes)
-      !> Not ending with a slash
-      character(*), intent(in) :: root
-      !> Beginning with a slash
-      character(*), intent(in) :: directory
-      !> Of the files
-      character(*), intent(in) :: name
+      character(*), intent(in) :: root, directory, name
       integer :: last
 
       bytes = no_limit

@@ -5,7 +5,7 @@
 !> They become blanks in rows with the marks of the first, which leaves numbers and separators.
 module gyroakf_io_marks
    use gyroakf_kinds, only : int8, int64
-   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_text, only : last_visible, line_feed_from
    implicit none (type, external)
    private
@@ -70,21 +70,21 @@ contains
          if (sign == ">" .and. (p == first .or. bytes(max(first, p - 1)) == iachar("-"))) then
             ! ">gx:1", "->"
             fresh = p == first
-         else if ((fresh .and. is_in(sign, opening)) .or. is_in(sign, closing) .or. bar) then
+         else if ((fresh .and. scan(sign, opening) > 0) .or. scan(sign, closing) > 0 .or. bar) then
             if (marks%values > 0) pending = mixed(pending, &
                int(iachar(sign) + 256*marks%values, int64))
             marks%brackets = marks%brackets + 1
             if (erase) bytes(p) = blank
-            if (is_in(sign, closing) .and. is_in(next, quotes)) to = min(p + 1, last)
+            if (scan(sign, closing) > 0 .and. scan(next, quotes) > 0) to = min(p + 1, last)
             if (erase) bytes(to) = blank
             fresh = .true.
-         else if (is_in(sign, separators)) then
+         else if (scan(sign, separators) > 0) then
             fresh = .true.
-         else if (fresh .and. sign == "b" .and. is_in(next, quotes) .and. p < last) then
+         else if (fresh .and. sign == "b" .and. scan(next, quotes) > 0 .and. p < last) then
             marks%brackets = marks%brackets + 1
             to = p + 1
             if (erase) call take_bytes_off(bytes(p:closing_quote(bytes, to, last)))
-         else if (fresh .and. is_in(sign, quotes) .and. is_in(next, opening)) then
+         else if (fresh .and. scan(sign, quotes) > 0 .and. scan(next, opening) > 0) then
             if (erase) bytes(p) = blank
          else if (fresh) then
             marks%skeleton = mixed(marks%skeleton, pending)
@@ -101,7 +101,7 @@ contains
             else
                to = p
                marks%values = marks%values + 1
-               if (is_in(sign, quotes)) to = closing_quote(bytes, p, last)
+               if (scan(sign, quotes) > 0) to = closing_quote(bytes, p, last)
             end if
          else if (sign == "*" .and. p == last_visible(bytes, first, last) - 2 .and. &
             any(bytes(first) == [33_int8, 36_int8])) then
@@ -120,8 +120,8 @@ contains
       character(*), parameter :: beside = " 0123456789+-."//achar(9)//achar(10)//achar(13)
 
       parts = p == last
-      if (.not. parts) parts = is_in(achar(iand(int(bytes(p + 1)), 255)), beside)
-      if (p > 1) parts = parts .and. is_in(achar(iand(int(bytes(p - 1)), 255)), beside)
+      if (.not. parts) parts = scan(achar(iand(int(bytes(p + 1)), 255)), beside) > 0
+      if (p > 1) parts = parts .and. scan(achar(iand(int(bytes(p - 1)), 255)), beside) > 0
    end function parts
 
    !> Writes blanks for the marks of b'1.2,3.4\r\n', as Python writes bytes.
@@ -138,13 +138,6 @@ contains
          last = last - 2
       end do
    end subroutine take_bytes_off
-
-   pure logical function is_in(sign, set)
-      character(1), intent(in) :: sign
-      character(*), intent(in) :: set
-
-      is_in = index(set, sign) > 0
-   end function is_in
 
    !> The quote that closes the one at p, the last byte of the line where there is none.
    pure integer(int64) function closing_quote(bytes, p, last) result(to)
@@ -168,25 +161,25 @@ contains
 
       mark = 0
       from = p
-      if (is_in(achar(iand(int(bytes(p)), 255)), quotes)) from = closing_quote(bytes, p, last)
-      if (from == p .and. bytes(p) > 0 .and. .not. is_in(achar(int(bytes(p))), letters)) return
+      if (scan(achar(iand(int(bytes(p)), 255)), quotes) > 0) from = closing_quote(bytes, p, last)
+      if (from == p .and. bytes(p) > 0 .and. scan(achar(int(bytes(p))), letters) == 0) return
       depth = 0
       do from = merge(from, from + 1, from == p), last
          sign = achar(iand(int(bytes(from)), 255))
          if (sign == ":" .or. sign == "=") exit
-         if (is_in(sign, ",;{}<"//quotes//achar(9))) return
+         if (scan(sign, ",;{}<"//quotes//achar(9)) > 0) return
          if (sign == "(" .and. from < last) then
             if (bytes(from + 1) >= 48 .and. bytes(from + 1) <= 57) return
          end if
-         if (is_in(sign, "([")) depth = depth + 1
-         if (is_in(sign, ")]")) depth = depth - 1
+         if (scan(sign, "([") > 0) depth = depth + 1
+         if (scan(sign, ")]") > 0) depth = depth - 1
          if (depth < 0) return
       end do
       if (from >= last .or. depth /= 0) return
       sign = achar(iand(int(bytes(from + 1)), 255))
-      if (.not. is_in(sign, "0123456789+-.nN "//quotes//opening//achar(9)) .or. &
+      if (scan(sign, "0123456789+-.nN "//quotes//opening//achar(9)) == 0 .or. &
          last_visible(bytes, from + 1, last) == from) return
-      if (is_in(sign, "0123456789") .and. &
+      if (scan(sign, "0123456789") > 0 .and. &
          any(bytes(min(from + 2, last):min(from + 3, last)) == iachar(":"))) return
       mark = from
    end function label_end

@@ -18,8 +18,7 @@ module gyroakf_io_npy
    use gyroakf_utf8, only : make_readable
    implicit none (type, external)
    private
-   public :: npy_magic, npy_alignment, make_npy_header, spell_shape, npy_header_type, &
-      read_npy_header
+   public :: npy_magic, make_npy_header, spell_shape, npy_header_type, read_npy_header
 
    !> The first six bytes
    character(6), parameter :: npy_magic = char(147)//"NUMPY"
@@ -48,13 +47,10 @@ contains
 
    !> Magic, version 1.0 and header of an array of doubles: all bytes before the numbers.
    pure subroutine make_npy_header(rows, columns, by_columns, header)
-      !> Its shape
-      integer(int64), intent(in) :: rows
-      !> 0: one dimension
-      integer(int64), intent(in) :: columns
+      !> Its shape; 0 columns: one dimension
+      integer(int64), intent(in) :: rows, columns
       !> Columns are stored one after the other
       logical, intent(in) :: by_columns
-      !> Its bytes
       character(:), allocatable, intent(out) :: header
       character(:), allocatable :: text, shape
       integer :: length
@@ -82,9 +78,7 @@ contains
    subroutine read_npy_header(bytes, name, header, error)
       !> The first bytes of the file; 66,000 are always enough
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Of the file
       character(*), intent(in) :: name
-      !> What it says
       type(npy_header_type), intent(out) :: header
       !> parse; not_supported: a type that holds no plain numbers, more than two dimensions
       type(error_type), allocatable, intent(out) :: error
@@ -133,7 +127,7 @@ contains
    subroutine read_dictionary(cursor, header)
       type(cursor_type), intent(inout) :: cursor
       type(npy_header_type), intent(inout) :: header
-      character(:), allocatable :: key
+      character(:), allocatable :: key, word
       logical :: seen(3), this(3)
 
       seen(:) = .false.
@@ -147,7 +141,13 @@ contains
             min(40_int64, len(key, int64)))//"' is none of descr, fortran_order, shape")
          if (any(this .and. seen)) call refuse(cursor, "a key stands twice")
          if (this(1)) call read_descr(cursor, header)
-         if (this(2)) call read_order(cursor, header%by_columns)
+         if (this(2)) then
+            header%by_columns = ahead(cursor) == "T"
+            word = trim(merge("True ", "False", header%by_columns))
+            if (index(cursor%text(cursor%at:), word) /= 1) call refuse(cursor, &
+               "fortran_order is neither True nor False")
+            cursor%at = cursor%at + len(word)
+         end if
          if (this(3)) call read_shape(cursor, header)
          seen = seen .or. this
          if (ahead(cursor) /= ",") exit
@@ -160,18 +160,6 @@ contains
          "the array's type is structured, and it has 2 dimensions", &
          "save one row for each sample: array.ravel()")
    end subroutine read_dictionary
-
-   !> True or False.
-   subroutine read_order(cursor, by_columns)
-      type(cursor_type), intent(inout) :: cursor
-      logical, intent(out) :: by_columns
-
-      by_columns = ahead(cursor) == "T"
-      if (index(cursor%text(cursor%at:), trim(merge("True ", "False", by_columns))) /= 1) then
-         call refuse(cursor, "fortran_order is neither True nor False")
-      end if
-      cursor%at = cursor%at + merge(4, 5, by_columns)
-   end subroutine read_order
 
    !> (), (1000,) or (1000, 3); a long integer of Python 2 ends with L.
    subroutine read_shape(cursor, header)

@@ -90,7 +90,6 @@ contains
 
    !> The same without the usual forms being tried first.
    pure subroutine scan_any(bytes, at, value, found)
-      !> As those of [[scan_number]]
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(inout) :: at
       real(dp), intent(out) :: value

@@ -28,8 +28,7 @@ contains
       integer(int64), intent(in) :: first, last
       !> The byte that the caret is under, first to last + 1
       integer(int64), intent(in) :: at
-      character(*), intent(in) :: what
-      character(*), intent(in) :: advice
+      character(*), intent(in) :: what, advice
       character(1), parameter :: nl = new_line("a")
       character(:), allocatable :: shown, head, tail
       integer :: place, from, to

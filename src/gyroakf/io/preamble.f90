@@ -5,7 +5,7 @@ module gyroakf_io_preamble
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_io_columns, only : column_names_type, count_names, most_columns
    use gyroakf_io_header, only : read_comment
-   use gyroakf_io_heading, only : alike, begins_with_names, find_pattern, is_setting, &
+   use gyroakf_io_heading, only : alike, find_pattern, is_setting, &
       labels_are_names, only_words, suppose_names, suppose_record_names, take_heading
    use gyroakf_io_lines, only : next_line, lines_type, more_lines
    use gyroakf_io_labels, only : name_fields
@@ -36,6 +36,8 @@ contains
       integer(int64) :: setting
       character(:), allocatable :: word, pattern, above
       type(marks_type) :: marks
+      type(fields_type) :: fields
+      logical :: named, row                                   ! that begin with a semicolon
 
       setting = 0
       above = ""
@@ -43,12 +45,19 @@ contains
          call more_lines(lines, error)
          if (allocated(error)) return
          if (lines%at > lines%last) exit
+         named = begins_with_semicolon(lines%bytes, lines%at, lines%to)
+         row = named .and. table%layout%semicolons
+         if (named) named = only_words(lines%bytes, lines%at, lines%to)
+         if (row .and. .not. named) then
+            call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
+            row = has_fields(fields, size(table%names%name))
+         end if
          if (lines%number <= options%skip) then
             continue
-         else if (lacks_first(lines, table)) then
+         else if (row .and. .not. named) then                 ! a row whose first field is empty
             return
-         else if (is_no_row(lines%bytes, lines%at, lines%to) .and. &
-            .not. begins_with_names(lines)) then
+         else if (is_no_row(lines%bytes, lines%at, lines%to) .and. .not. (named .and. &
+            count(lines%bytes(lines%at:lines%to) == iachar(";")) > 1)) then
             call read_comment(lines, table%header, table%warnings)
             call suppose_names(lines, table%supposed)
          else if (verify(bytes_text(lines%bytes, lines%at, lines%to), "-=+*_|~ "// &
@@ -60,7 +69,8 @@ contains
                count_names(table%names) /= len(pattern))) then
                continue
             else if ((4*marks%labels <= len(pattern)/2 .or. &
-               labels_are_names(lines, pattern)) .and. only_words(lines)) then
+               labels_are_names(lines, pattern)) .and. &
+               only_words(lines%bytes, lines%at, lines%to)) then
                word = lower(bytes_text(lines%bytes, lines%at, min(lines%to, lines%at + 3)))
                if (word /= "sep=" .and. .not. names_wanted(options, table%names)) then
                   call take_heading(lines, table%names%line < setting, table%names, table%layout)
@@ -123,20 +133,24 @@ contains
       type(column_names_type) :: names
       type(fields_type) :: fields
       type(marks_type) :: marks
-      integer(int8) :: line(lines%to + digits_ahead)
-      integer :: array
+      integer(int8), allocatable :: line(:)
+      integer(int64) :: n
+      integer :: array, stat
 
       skipped = .false.
       if (.not. allocated(options%where)) return
-      line(:lines%to) = lines%bytes(:lines%to)
-      line(lines%to + 1:) = 0_int8                            ! no digits of another line
+      n = lines%to - lines%at + 1
+      allocate (line(n + digits_ahead), source=0_int8, stat=stat)
+      if (stat /= 0) return
+      line(:n) = lines%bytes(lines%at:lines%to)
       names = table%names
-      call find_marks(line, lines%at, lines%to, .true., marks)
-      call split_line(line, lines%at, lines%to, split%mixed, fields)
-      if (marks%labels > 0) call name_fields(lines%bytes, lines%at, fields, names, array)
+      call find_marks(line, 1_int64, n, .true., marks)
+      call split_line(line, 1_int64, n, split%mixed, fields)
+      if (marks%labels > 0 .and. fields%count <= most_columns) call name_fields( &
+         lines%bytes(lines%at:lines%to), 1_int64, fields, names, array)
       call set_condition(options%where, names, most_columns, table%layout, failed)
       if (allocated(failed)) return
-      skipped = .not. is_wanted(line, lines%at, lines%to, table%layout)
+      skipped = .not. is_wanted(line, 1_int64, n, table%layout)
       if (skipped .and. marks%labels > 0 .and. names%known) then
          associate (column => table%layout%where_column, &
             value => options%where(index(options%where, "=", back=.true.) + 1:))
@@ -149,19 +163,5 @@ contains
             table%supposed)
       end if
    end function skipped_by_where
-
-   !> True for a row below names between semicolons whose first field is empty: not a comment.
-   logical function lacks_first(lines, table)
-      type(lines_type), intent(in) :: lines
-      type(table_type), intent(in) :: table
-      type(fields_type) :: fields
-
-      lacks_first = table%layout%semicolons .and. &
-         begins_with_semicolon(lines%bytes, lines%at, lines%to)
-      if (lacks_first) lacks_first = .not. only_words(lines)
-      if (.not. lacks_first) return
-      call split_line(lines%bytes, lines%at, lines%to, split%mixed, fields)
-      lacks_first = has_fields(fields, size(table%names%name))
-   end function lacks_first
 
 end module gyroakf_io_preamble

@@ -109,8 +109,7 @@ contains
    pure subroutine take_whole(bytes, at, p, m, minus)
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: at
-      integer(int64), intent(out) :: p
-      integer(int64), intent(out) :: m, minus
+      integer(int64), intent(out) :: p, m, minus
       integer(int64) :: word
       integer :: sign_bits, signed, point
 

@@ -19,13 +19,11 @@ contains
    subroutine find_changes(t, work, change, steps, count_changes)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
-      !> Work space
       type(steps_type), intent(inout) :: work
       !> The first sample of each new rate: [at most]
       integer(int64), intent(out) :: change(:)
       !> s from sample to sample before the first change, and behind each: [at most + 1]
       real(dp), intent(out) :: steps(:)
-      !> How many
       integer, intent(out) :: count_changes
       real(dp) :: part(most_parts)
       integer :: ends(0:size(change) + 1), parts, k
@@ -81,8 +79,7 @@ contains
    !> Divides the parts where their medians differ most, again and again.
    subroutine divide(part, ends, changes, most)
       real(dp), intent(in) :: part(:)
-      integer, intent(inout) :: ends(0:)
-      integer, intent(inout) :: changes
+      integer, intent(inout) :: ends(0:), changes
       integer, intent(in) :: most
       integer :: stretch, at
 

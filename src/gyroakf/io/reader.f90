@@ -7,13 +7,13 @@
 module gyroakf_io_reader
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
    use gyroakf_io_column_behavior, only : find_time_and_counters
    use gyroakf_io_columns, only : has_name, label_of
-   use gyroakf_io_findings, only : survey_columns, tell
-   use gyroakf_io_leave_out, only : list_left_out
+   use gyroakf_io_findings, only : add_findings, survey_columns
+   use gyroakf_io_column_choice, only : list_left_out
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_shape, only : cut, largest_value, make_rates, mark_missing, refuse_tiny, &
@@ -40,7 +40,6 @@ contains
       !> Allocated on failure: io, parse, invalid_argument, not_supported, too_few_samples,
       !> non_finite, no_memory (also where more than `options%memory` would be needed), cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(recording_type) :: recording
       character(:), allocatable :: large
@@ -62,7 +61,6 @@ contains
       type(record_type), intent(out) :: record
       !> On failure: parse, invalid_argument, too_few_samples, non_finite, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback, between its parts; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(gap_type) :: gaps
       real(dp), allocatable :: stamps(:)
@@ -103,7 +101,7 @@ contains
          if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, &
             error, progress)
          if (.not. allocated(error)) call refuse_tiny(record, error)
-         if (.not. allocated(error)) call tell(table, record)
+         if (.not. allocated(error)) call add_findings(table, record)
       end associate
    end subroutine complete_record
 
@@ -133,8 +131,7 @@ contains
       if (.not. table%asked) call list_left_out(table%names, table%class, left, record%warnings)
       slots = pack([(j, j=1, size(keep))], keep)
       call take_columns(table%store, time_slot, slots, record%value, stamps, failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, "no memory for the record of "// &
-         table%name)
+      call check_memory(failed, "the record of "//table%name, error)
       if (allocated(error)) return
       allocate (record%channel(size(slots)))
       do j = 1, size(slots)
@@ -188,7 +185,6 @@ contains
       !> invalid_argument (the interval, a unit that is unknown or none of a rate), non_finite (a
       !> value beyond 1e60), no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(table_type) :: nothing
 

@@ -4,13 +4,12 @@ module gyroakf_io_recording
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
-   use gyroakf_io_binary, only : binary_type, read_binary_rows
+   use gyroakf_io_binary, only : begin_npy, begin_raw, binary_type, read_binary_rows
    use gyroakf_io_decimal, only : format_real, real_length
    use gyroakf_io_element, only : element_name, element_type, element_word, parse_element
    use gyroakf_io_first_row, only : begin_table
-   use gyroakf_io_format, only : content_type, recognise
+   use gyroakf_io_format, only : content_type, recognize_content
    use gyroakf_io_lines, only : lines_type, open_lines
-   use gyroakf_io_opening, only : begin_npy, begin_raw
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : check_options, reader_options
    use gyroakf_io_source, only : close_source
@@ -51,13 +50,15 @@ contains
 
    !> Opens a recording and reads what stands above its rows.
    subroutine open_recording(path, options, recording, error)
-      !> A path; "-" is standard input
       character(*), intent(in) :: path
       type(reader_options), intent(in) :: options
       !> To be closed by [[close_recording]], after a failure too
       type(recording_type), intent(out) :: recording
       !> Allocated on failure: io, parse, invalid_argument, not_supported, no_memory
       type(error_type), allocatable, intent(out) :: error
+      type(content_type) :: content
+      type(element_type) :: element
+      logical :: raw, other
 
       call check_options(options, error)
       if (allocated(error)) return
@@ -69,17 +70,6 @@ contains
       if (.not. allocated(options%unit)) recording%options%unit = ""
       if (.not. allocated(options%resample)) recording%options%resample = "index"
       if (.not. allocated(options%format)) recording%options%format = "auto"
-      call begin_rows(path, recording, error)
-   end subroutine open_recording
-
-   subroutine begin_rows(path, recording, error)
-      character(*), intent(in) :: path
-      type(recording_type), intent(inout) :: recording
-      type(error_type), allocatable, intent(out) :: error
-      type(content_type) :: content
-      type(element_type) :: element
-      logical :: raw, other
-
       call parse_element(recording%options%format, element, raw)
       if (raw) then
          call begin_numbers_only(path, element, recording, error)
@@ -119,7 +109,7 @@ contains
          if (other) call add_text(recording%table%warnings, &
             "the name ends in ."//content%ending//", but the content is text and is read as such")
       end select
-   end subroutine begin_rows
+   end subroutine open_recording
 
    subroutine begin_numbers_only(path, element, recording, error)
       character(*), intent(in) :: path
@@ -150,8 +140,8 @@ contains
             "check what should have written it")
          if (allocated(error)) return
          ending = index(lower(name)//" ", ".gz ") - 1
-         call recognise(lines%bytes(:lines%filled), name(:merge(ending, len(name), ending > 0)), &
-            content)
+         call recognize_content(lines%bytes(:lines%filled), &
+            name(:merge(ending, len(name), ending > 0)), content)
          if (content%kind == "foreign") then
             if (associated(lines%source%inflater)) content%advice = &
                "decompress it first (gzip -dk), then: "//content%advice
@@ -192,7 +182,6 @@ contains
       type(recording_type), intent(inout) :: recording
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: most, wanted
       real(dp) :: rate
@@ -235,7 +224,6 @@ contains
       integer(int64), intent(in) :: most
       !> Allocated on failure: io, parse, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
       if (recording%format == "text") then

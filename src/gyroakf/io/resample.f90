@@ -43,7 +43,7 @@ contains
       !> Allocated on failure: invalid_argument, no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: value(:, :)
-      real(dp) :: length, phase
+      real(dp) :: length, phase, lost
       integer(int64) :: slots
       integer :: failed
 
@@ -72,7 +72,13 @@ contains
       end if
       call move_alloc(value, record%value)
       record%resample = way
-      if (way == "linear") call warn_of_averages(record)
+      lost = 1.0_dp - record%audit%white_noise
+      if (way == "linear" .and. lost >= 1.0e-3_dp) call add_text(record%warnings, &
+         "linear interpolation averages neighbors: white noise "// &
+         "keeps "//format_real(record%audit%white_noise, 3)//" of its variance (2/3 where the "// &
+         "stamps lie anywhere between the instants of the grid) and neighbors are correlated; "// &
+         "its Allan variance at m samples is low by about "//format_real(1.5_dp*lost, 2)//"/m, "// &
+         "AR models and tests of whiteness see the filter; `resample` nearest changes no value")
    end subroutine resample
 
    !> Where most stamps lie between two instants of a grid that begins at 0: the circular mean, in
@@ -186,19 +192,5 @@ contains
          between = (1.0_dp - w)*a + w*b
       end if
    end function between
-
-   !> Says what interpolation does to noise.
-   subroutine warn_of_averages(record)
-      type(record_type), intent(inout) :: record
-      real(dp) :: lost
-
-      lost = 1.0_dp - record%audit%white_noise
-      if (lost < 1.0e-3_dp) return
-      call add_text(record%warnings, "linear interpolation averages neighbors: white noise "// &
-         "keeps "//format_real(record%audit%white_noise, 3)//" of its variance (2/3 where the "// &
-         "stamps lie anywhere between the instants of the grid) and neighbors are correlated; "// &
-         "its Allan variance at m samples is low by about "//format_real(1.5_dp*lost, 2)//"/m, "// &
-         "AR models and tests of whiteness see the filter; `resample` nearest changes no value")
-   end subroutine warn_of_averages
 
 end module gyroakf_io_resample

@@ -7,7 +7,7 @@ module gyroakf_io_selection
    use gyroakf_error, only : error_type
    use gyroakf_io_column_choice, only : find_column
    use gyroakf_io_columns, only : column_names_type, label_of
-   use gyroakf_io_layout, only : layout_type
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text
    use gyroakf_io_row, only : agrees, split_row
@@ -132,7 +132,6 @@ contains
       type(layout_type), intent(in) :: layout
       !> [row, column]; fewer rows than 64 where there are many columns
       type(text_type), allocatable, intent(out) :: field(:, :)
-      !> Not 0 where there is no memory
       integer, intent(out) :: stat
       type(text_type), allocatable :: all_fields(:, :)
       type(fields_type) :: fields

@@ -3,7 +3,7 @@
 module gyroakf_io_shape
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan, ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_io_audit, only : gap_type
    use gyroakf_io_decimal, only : format_real
@@ -43,8 +43,7 @@ contains
       n = size(record%value, 1, kind=int64)
       lost = sum(gaps%length(:gaps%count))
       allocate (longer(n + lost, size(record%value, 2)), stat=failed)
-      if (failed /= 0) call fatal_error(error, status%no_memory, &
-         "no memory to fill the gaps with "//integer_text(lost)//" missing samples")
+      call check_memory(failed, integer_text(lost)//" missing samples in the gaps", error)
       if (allocated(error)) return
       nan = ieee_value(nan, ieee_quiet_nan)
       at = 0
@@ -68,7 +67,6 @@ contains
       real(dp), intent(in) :: largest
       !> Allocated on failure: no_memory, non_finite, cancelled
       type(error_type), allocatable, intent(out) :: error
-      !> Progress callback, before every channel; may cancel
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: i
       integer :: j, failed
@@ -88,8 +86,7 @@ contains
             if (.not. allocated(record%present)) then
                allocate (record%present(size(record%value, 1, kind=int64), size(record%value, 2)), &
                   stat=failed)
-               if (failed /= 0) call fatal_error(error, status%no_memory, &
-                  "no memory for the marks of missing samples")
+               call check_memory(failed, "the marks of missing samples", error)
                if (allocated(error)) return
                record%present = 1_int8
             end if
@@ -282,7 +279,6 @@ contains
       integer(int8), allocatable :: present(:, :)
       integer :: failed
 
-      failed = 0
       allocate (value(last - first + 1, size(record%value, 2)), stat=failed)
       if (failed == 0) then
          value(:, :) = record%value(first:last, :)
@@ -290,8 +286,7 @@ contains
          if (.not. allocated(record%present)) return
          allocate (present(last - first + 1, size(record%value, 2)), stat=failed)
       end if
-      if (failed /= 0) call fatal_error(error, status%no_memory, &
-         "no memory for a part of the record")
+      call check_memory(failed, "a part of the record", error)
       if (allocated(error)) return
       present(:, :) = record%present(first:last, :)
       call move_alloc(present, record%present)

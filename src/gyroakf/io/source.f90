@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Bytes of a file, of standard input, of a FIFO or of the caller's memory, in blocks.
 !>
-!> Regular files are read by the system's `pread`, so that several threads can read their own pieces
-!> at a time, up to the length that they had when they were opened; where that cut a line, to the
-!> end of this line. A file that becomes shorter meanwhile is an error. Anything that may deliver in
-!> pieces (`-`, FIFOs, devices) is read by `read`, again and again until it says that there is no
-!> more. Reads that a signal interrupts are taken up again. gzip data are recognized by their first
-!> bytes, wherever they come from, and decompressed in order; their length is unknown.
+!> Regular files are read by the system's `pread`, by several threads at a time, up to the length
+!> that they had when they were opened; where that cut a line, to the end of this line. A file that
+!> becomes shorter meanwhile is an error. Anything that may deliver in pieces (`-`, FIFOs, devices)
+!> is read by `read` until there is no more. Reads that a signal interrupts are resumed. gzip data
+!> are recognized by their first bytes, wherever they come from, and decompressed in order; their
+!> length is unknown.
 module gyroakf_io_source
    use, intrinsic :: iso_c_binding, only : c_int, c_loc, c_long, c_null_char, c_short, c_size_t
    use gyroakf_kinds, only : int8, int64
@@ -42,14 +42,14 @@ module gyroakf_io_source
 
    !> A read that fails is tried again so often: after a signal, or of a non-blocking descriptor
    integer, parameter :: most_tries = 1000
-   !> Compressed bytes that are read at once
+   !> Compressed bytes that are read at once, and bytes that a thread reads
    integer, parameter :: input_size = 131072
+   integer(int64), parameter :: piece_size = 131072
 
 contains
 
    !> True where the path is a directory.
    logical function is_directory(path)
-      !> Any path
       character(*), intent(in) :: path
 
       inquire (file=path//"/.", exist=is_directory)
@@ -112,7 +112,6 @@ contains
       reason = trim(adjustl(message(index(message, ": ", back=.true.) + 1:)))
    end subroutine find_reason
 
-   !> Prepares the decompression of gzip data.
    subroutine find_gzip(source, error)
       type(source_type), intent(inout) :: source
       type(error_type), allocatable, intent(out) :: error
@@ -139,7 +138,6 @@ contains
 
    !> True where any place can be read at any time: regular files and the caller's, uncompressed.
    pure logical function has_places(source)
-      !> An open source
       type(source_type), intent(in) :: source
 
       has_places = (source%length > 0 .or. associated(source%bytes)) .and. &
@@ -148,7 +146,6 @@ contains
 
    !> Bytes that are to come at most.
    pure integer(int64) function source_left(source)
-      !> An open source
       type(source_type), intent(in) :: source
 
       source_left = huge(source_left)
@@ -157,22 +154,30 @@ contains
 
    !> Reads until `buffer` is full or the source ends.
    subroutine read_block(source, buffer, got, error)
-      !> An open source
       type(source_type), intent(inout) :: source
-      !> Filled from its first byte
       integer(int8), intent(inout), contiguous, target :: buffer(:)
       !> Bytes read; fewer than `buffer` holds only at the end of the source
       integer(int64), intent(out) :: got
       !> io; parse: compressed data are damaged or end early; no_memory to decompress them
       type(error_type), allocatable, intent(out) :: error
-      logical :: failed
+      integer(int64) :: k, n, to, came
+      logical :: failed, refused
 
       failed = .false.
       if (associated(source%inflater)) then
          call read_compressed(source, buffer, got, failed, error)
       else if (has_places(source)) then
-         got = min(size(buffer, kind=int64), source_left(source))
-         call read_piece(source, source%delivered, buffer(:got), got, failed)
+         n = min(size(buffer, kind=int64), source_left(source))
+         got = n
+         !$omp parallel do schedule(dynamic) private(to, came, refused) reduction(min:got) &
+         !$omp& reduction(.or.:failed) if(n > 4*piece_size)
+         do k = 0, n - 1, piece_size
+            to = min(k + piece_size, n)
+            call read_piece(source, source%delivered + k, buffer(k + 1:to), came, refused)
+            failed = failed .or. refused
+            if (came < to - k) got = min(got, k + came)
+         end do
+         !$omp end parallel do
       else
          call read_pieces(source, buffer, got, failed)
       end if
@@ -214,15 +219,12 @@ contains
 
    !> Reads at a place; several threads may do so at a time.
    subroutine read_piece(source, offset, buffer, got, failed)
-      !> One that [[has_places]]
       type(source_type), intent(in) :: source
       !> Bytes before the first that is read
       integer(int64), intent(in) :: offset
-      !> Filled from its first byte
       integer(int8), intent(inout), contiguous, target :: buffer(:)
       !> Bytes read; fewer than `buffer` holds only at the end of the file
       integer(int64), intent(out) :: got
-      !> True where the system refuses
       logical, intent(out) :: failed
 
       failed = .false.
@@ -277,7 +279,6 @@ contains
 
    !> Closes the source; harmless where it is closed, and standard input stays open.
    subroutine close_source(source)
-      !> Closed afterwards
       type(source_type), intent(inout) :: source
       integer(c_int) :: ignored
 

@@ -8,12 +8,13 @@ module gyroakf_io_span
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_io_lines, only : line_map_type, map_row
    use gyroakf_io_selection, only : is_wanted
-   use gyroakf_io_rows, only : layout_type, parse_rows, problem_type, read_row
+   use gyroakf_io_row, only : read_row
+   use gyroakf_io_rows, only : layout_type, parse_rows, problem_type
    use gyroakf_io_text, only : begins_with_semicolon, fields_type, first_visible, is_no_row, &
       last_visible, line_end_from, line_feed_from
    implicit none (type, external)
    private
-   public :: span_type, read_span, copy_rows
+   public :: span_type, read_span
 
    !> What was met among some lines
    type :: tally_type
@@ -37,9 +38,6 @@ module gyroakf_io_span
       real(dp), allocatable :: value(:, :)
       !> Where rows stood, both counted from the start of the span
       type(line_map_type) :: map
-      !> Bytes of the piece that a thread read for it, and whether the system refused
-      integer(int64) :: got = 0
-      logical :: failed = .false.
       !> Work space: the fields and the numbers of one line
       type(fields_type) :: fields
       real(dp), allocatable :: row(:)
@@ -176,18 +174,5 @@ contains
       if (to - from + 1 /= size(layout%heading)) return
       is_heading = all(bytes(from:to) == layout%heading)
    end function is_heading
-
-   !> Copies the rows of a span behind a row of a chunk.
-   pure subroutine copy_rows(span, before, value)
-      type(span_type), intent(in) :: span
-      integer(int64), intent(in) :: before
-      !> [row, stored column]
-      real(dp), intent(inout), contiguous :: value(:, :)
-      integer :: j
-
-      do j = 1, merge(size(value, 2), 0, span%rows > 0)
-         value(before + 1:before + span%rows, j) = span%value(:span%rows, j)
-      end do
-   end subroutine copy_rows
 
 end module gyroakf_io_span

@@ -7,7 +7,8 @@ module gyroakf_io_stamp_columns
    use gyroakf_kinds, only : int8, int64
    use gyroakf_io_date, only : is_digit, stamp_kind
    use gyroakf_io_stamp_field, only : kind_of_field, stamp_origin
-   use gyroakf_io_rows, only : join_fields, layout_type
+   use gyroakf_io_rows, only : layout_type
+   use gyroakf_io_row, only : join_fields
    use gyroakf_io_table, only : set_slots, table_type
    use gyroakf_io_text, only : fields_type
    implicit none (type, external)
@@ -22,14 +23,12 @@ contains
    !> them as one, or, without names, where other separators part the columns. The fields are joined
    !> then.
    pure subroutine find_joined(bytes, first, last, named, layout, fields)
-      !> Holds the first row at first:last
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first, last
       !> How many names the columns have, 0 where none
       integer, intent(in) :: named
       !> Its `joined` is set
       type(layout_type), intent(inout) :: layout
-      !> Of the row
       type(fields_type), intent(inout) :: fields
       integer :: j, count_fields
       logical :: parted
@@ -53,11 +52,8 @@ contains
 
    !> What each column of the first row holds.
    pure subroutine find_kinds(bytes, fields, layout)
-      !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Of the first row, joined
       type(fields_type), intent(in) :: fields
-      !> Its columns are known; `kind` is set
       type(layout_type), intent(inout) :: layout
       integer :: j
 
@@ -70,9 +66,7 @@ contains
 
    !> Sets where the columns are kept, a date and its time of day together; and the stamps' origin.
    subroutine pair_stamps(bytes, fields, table)
-      !> Holds the fields
       integer(int8), intent(in), contiguous :: bytes(:)
-      !> Of the first row
       type(fields_type), intent(in) :: fields
       !> Its columns are chosen; other kinds than the time's become numbers; `origin` is set
       type(table_type), intent(inout) :: table
@@ -109,7 +103,6 @@ contains
       call set_slots(partner, table)
    end subroutine pair_stamps
 
-   !> True where a field is a whole number.
    pure logical function all_digits(bytes, fields, column)
       integer(int8), intent(in), contiguous :: bytes(:)
       type(fields_type), intent(in) :: fields

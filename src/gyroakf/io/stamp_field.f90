@@ -46,7 +46,6 @@ contains
 
    !> From what the stamps of a column are counted: the day of its first field, or its whole part.
    pure subroutine stamp_origin(bytes, first, kind, origin)
-      !> Holds the field from first on
       integer(int8), intent(in), contiguous :: bytes(:)
       integer(int64), intent(in) :: first
       !> As of [[kind_of_field]]

@@ -3,7 +3,7 @@
 module gyroakf_io_stamps
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_column_class, only : split_name
+   use gyroakf_name_words, only : split_name
    use gyroakf_record, only : text_type
    use gyroakf_spelling, only : lower
    use gyroakf_units, only : time_scale
@@ -16,9 +16,7 @@ contains
    !> The column of the nanoseconds or microseconds that belong to a column of whole seconds, by
    !> their names: `stamp.secs` and `stamp.nsecs`, `sec` and `nanosec`, `tv_sec` and `tv_usec`.
    pure subroutine fraction_of(names, time, column, nano)
-      !> Of all columns
       type(text_type), intent(in) :: names(:)
-      !> The column of the seconds
       integer, intent(in) :: time
       !> 0 where there is none
       integer, intent(out) :: column
@@ -55,14 +53,15 @@ contains
       character(*), intent(in) :: name, unit
       !> Of the stamps, in their unit
       real(dp), intent(in) :: step
-      type(text_type), allocatable :: word(:)
+      character(:), allocatable :: words
 
       named_scale = time_scale(trim(adjustl(lower(unit))))
       if (named_scale > 0.0_dp) return
-      call split_name(name, word)
-      if (size(word) == 0) return
-      named_scale = time_scale(word(size(word))%text)
-      if (word(size(word))%text == "fine") named_scale = merge(1e-4_dp, 1e-6_dp, step < 5.0e3_dp)
+      call split_name(name, words)
+      associate (last => words(index(trim(words), " ", back=.true.) + 1:len_trim(words)))
+         named_scale = time_scale(last)
+         if (last == "fine") named_scale = merge(1e-4_dp, 1e-6_dp, step < 5.0e3_dp)
+      end associate
    end function named_scale
 
    !> Seconds in the unit that the stamps themselves suggest. A rate that was given decides where it

@@ -10,7 +10,7 @@ module gyroakf_io_store
       values_before_page
    implicit none (type, external)
    private
-   public :: chunk_rows, chunk_type, store_type, next_chunk, add_chunk, count_rows, take_columns
+   public :: chunk_rows, store_type, next_chunk, add_chunk, count_rows, take_columns
 
    !> Minimum rows of a chunk where the number of rows to come is unknown
    integer(int64), parameter :: chunk_rows = 65536
@@ -36,13 +36,9 @@ contains
 
    !> Provides a last chunk with a given number of free rows.
    subroutine next_chunk(store, columns, failed, rows, expected)
-      !> May be fresh
       type(store_type), intent(inout) :: store
-      !> Stored columns
       integer, intent(in) :: columns
-      !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
-      !> At least so many
       integer(int64), intent(in) :: rows
       !> So many rows are expected from here on; a new chunk holds them unless it would be too large
       integer(int64), intent(in) :: expected
@@ -59,18 +55,25 @@ contains
 
    !> Appends an empty chunk of any number of rows.
    subroutine add_chunk(store, rows, columns, failed)
-      !> May be fresh
       type(store_type), intent(inout) :: store
-      !> Minimum rows of the chunk
       integer(int64), intent(in) :: rows
-      !> Stored columns
       integer, intent(in) :: columns
-      !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
-      integer :: j
+      type(chunk_type), allocatable :: longer(:)
+      integer :: i, j
 
-      call lengthen(store, failed)
+      failed = 0
+      if (.not. allocated(store%chunk)) allocate (store%chunk(16), stat=failed)
       if (failed /= 0) return
+      if (store%count == size(store%chunk)) then
+         allocate (longer(2*store%count), stat=failed)
+         if (failed /= 0) return
+         do i = 1, store%count
+            longer(i)%rows = store%chunk(i)%rows
+            call move_alloc(store%chunk(i)%value, longer(i)%value)
+         end do
+         call move_alloc(longer, store%chunk)
+      end if
       associate (chunk => store%chunk(store%count + 1))
          allocate (chunk%value(rows, columns), stat=failed)
          if (failed /= 0) return
@@ -81,29 +84,8 @@ contains
       end associate
    end subroutine add_chunk
 
-   !> Lengthens the list for one chunk more.
-   subroutine lengthen(store, failed)
-      type(store_type), intent(inout) :: store
-      integer, intent(out) :: failed
-      type(chunk_type), allocatable :: longer(:)
-      integer :: i
-
-      failed = 0
-      if (.not. allocated(store%chunk)) allocate (store%chunk(16), stat=failed)
-      if (failed /= 0) return
-      if (store%count < size(store%chunk)) return
-      allocate (longer(2*store%count), stat=failed)
-      if (failed /= 0) return
-      do i = 1, store%count
-         longer(i)%rows = store%chunk(i)%rows
-         call move_alloc(store%chunk(i)%value, longer(i)%value)
-      end do
-      call move_alloc(longer, store%chunk)
-   end subroutine lengthen
-
    !> Rows in the store.
    pure integer(int64) function count_rows(store)
-      !> May be fresh
       type(store_type), intent(in) :: store
 
       count_rows = 0
@@ -122,13 +104,17 @@ contains
       real(dp), allocatable, intent(out) :: value(:, :)
       !> [row], of no length without a time column
       real(dp), allocatable, intent(out) :: stamps(:)
-      !> Not 0 where memory cannot be had
       integer, intent(out) :: failed
       integer(int64) :: at, n
       integer :: i, j
+      logical :: single
 
       n = count_rows(store)
-      if (is_record(store, n, columns)) then
+      single = store%count == 1                   ! a chunk that holds just the columns wanted
+      if (single) single = size(store%chunk(1)%value, 1, kind=int64) == n .and. &
+         size(store%chunk(1)%value, 2) == size(columns)
+      if (single) single = all(columns == [(j, j=1, size(columns))])
+      if (single) then
          allocate (stamps(merge(n, 0_int64, time_slot > 0)), stat=failed)
          if (failed /= 0) return
          if (time_slot > 0) stamps(:) = store%chunk(1)%value(:, time_slot)
@@ -162,25 +148,11 @@ contains
       store%count = 0
    end subroutine take_columns
 
-   !> True where a single chunk holds exactly the columns that are wanted.
-   pure logical function is_record(store, rows, columns)
-      type(store_type), intent(in) :: store
-      integer(int64), intent(in) :: rows
-      integer, intent(in) :: columns(:)
-      integer :: j
-
-      is_record = store%count == 1
-      if (is_record) is_record = size(store%chunk(1)%value, 1, kind=int64) == rows &
-                                 .and. size(store%chunk(1)%value, 2) == size(columns)
-      if (is_record) is_record = all(columns == [(j, j=1, size(columns))])
-   end function is_record
-
    !> Copies rows, by several threads: the first touch of the memory takes longer than the copying.
    !> Where they are not needed again, their memory is given back page by page, and what is copied
    !> next may come to lie in it while the caches still hold it.
    subroutine move_rows(from, to, release)
-      real(dp), intent(inout), contiguous :: from(:)
-      real(dp), intent(inout), contiguous :: to(:)
+      real(dp), intent(inout), contiguous :: from(:), to(:)
       logical, intent(in) :: release
       integer(int64) :: before, first, last, k, n
 

@@ -100,7 +100,6 @@ contains
    subroutine move_bytes(descriptor, address, bytes, moved, failed, offset)
       !> Open; of a regular file where it is read
       integer(c_int), intent(in) :: descriptor
-      !> The buffer, and its size
       type(c_ptr), intent(in) :: address
       integer(int64), intent(in) :: bytes
       !> Fewer than `bytes` only at the end of a file that is read, and where the system refuses

@@ -4,12 +4,12 @@ module gyroakf_io_table
    use gyroakf_kinds, only : int64
    use gyroakf_column_class, only : column_class, is_time_name
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_io_column_choice, only : choose_columns, find_column
+   use gyroakf_io_column_choice, only : analyzed_columns, choose_columns, classes_of, &
+      find_column, in_order
    use gyroakf_io_columns, only : column_names_type, count_names, label_of, most_columns
    use gyroakf_io_date, only : stamp_kind
    use gyroakf_io_header, only : header_type
-   use gyroakf_io_layout, only : layout_type
-   use gyroakf_io_leave_out, only : analyzed_columns, classes_of, in_order
+   use gyroakf_io_rows, only : layout_type
    use gyroakf_io_lines, only : line_map_type
    use gyroakf_io_place, only : integer_text, line_error
    use gyroakf_io_reader_options, only : reader_options
@@ -69,7 +69,6 @@ contains
       character(*), intent(in) :: name
       integer(int64), intent(in) :: columns
       type(reader_options), intent(in) :: options
-      !> All but the rows
       type(table_type), intent(out) :: table
       !> Allocated on failure: invalid_argument, parse
       type(error_type), allocatable, intent(out) :: error
@@ -181,7 +180,6 @@ contains
    subroutine set_slots(partner, table)
       !> The column beside the time's that is kept with it, 0 for none
       integer, intent(in) :: partner
-      !> Its columns are chosen
       type(table_type), intent(inout) :: table
       integer :: i
 

@@ -113,9 +113,7 @@ contains
 
    !> Writes a text; a failure is kept for [[commit_writer]].
    subroutine put(writer, text)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any text
       character(*), intent(in) :: text
       integer :: from, piece
 
@@ -131,9 +129,7 @@ contains
 
    !> Writes a text and a line feed.
    subroutine put_line(writer, text)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any text
       character(*), intent(in) :: text
 
       call put(writer, text)
@@ -142,9 +138,7 @@ contains
 
    !> Writes a number as [[format_real]] gives it, without allocating.
    subroutine put_real(writer, value, digits)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any number
       real(dp), intent(in) :: value
       !> 1 to 17; 0: as few as read back to the same number
       integer, intent(in) :: digits
@@ -159,9 +153,7 @@ contains
 
    !> Writes numbers as the bytes that they are.
    subroutine put_reals(writer, values)
-      !> An open writer
       type(writer_type), intent(inout) :: writer
-      !> Any numbers
       real(dp), intent(in), contiguous, target :: values(:)
       integer(int64) :: moved
 
@@ -171,7 +163,6 @@ contains
          8*size(values, kind=int64), moved, writer%failed)
    end subroutine put_reals
 
-   !> Hands the buffer to the system.
    subroutine flush_buffer(writer)
       type(writer_type), intent(inout), target :: writer
       integer(int64) :: moved
@@ -196,12 +187,11 @@ contains
       if (writer%unit > 1) writer%failed = c_close(writer%unit) /= 0 .or. writer%failed
       writer%unit = -1
       writer%complete = .not. writer%failed
-      if (writer%failed) call give_up(writer, error)
+      if (writer%failed) call remove_failed(writer, error)
    end subroutine complete_writer
 
    !> Writes the rest and lets the file appear.
    subroutine commit_writer(writer, error)
-      !> Closed afterwards
       type(writer_type), intent(inout) :: writer
       !> io where something could not be written (a full disk, a closed pipe); no file appears
       type(error_type), allocatable, intent(out) :: error
@@ -212,11 +202,11 @@ contains
       if (writer%aside /= writer%path) then
          writer%failed = c_rename(writer%aside//c_null_char, writer%path//c_null_char) /= 0
       end if
-      if (writer%failed) call give_up(writer, error)
+      if (writer%failed) call remove_failed(writer, error)
    end subroutine commit_writer
 
    !> Removes what was written aside and says why.
-   subroutine give_up(writer, error)
+   subroutine remove_failed(writer, error)
       type(writer_type), intent(in) :: writer
       type(error_type), allocatable, intent(out) :: error
 
@@ -227,11 +217,10 @@ contains
       else
          call fatal_error(error, status%io, writer%path//": cannot be written: is the disk full?")
       end if
-   end subroutine give_up
+   end subroutine remove_failed
 
    !> Gives the file up: nothing appears. Harmless after [[commit_writer]].
    subroutine discard_writer(writer)
-      !> Closed afterwards
       type(writer_type), intent(inout) :: writer
       integer(c_int) :: ignored
 
@@ -244,7 +233,6 @@ contains
 
    !> True where a regular file is there, which a new one would replace.
    logical function is_file(path)
-      !> Any path
       character(*), intent(in) :: path
 
       inquire (file=path, exist=is_file)
@@ -253,7 +241,6 @@ contains
 
    !> Removes a file; content where there is none.
    subroutine remove_file(path)
-      !> Any path
       character(*), intent(in) :: path
       integer(c_int) :: ignored
 
@@ -262,7 +249,6 @@ contains
 
    !> Makes a directory and those above it; content where it is there already.
    subroutine make_directory(path, error)
-      !> Any path
       character(*), intent(in) :: path
       !> Allocated where it is not there afterwards: io
       type(error_type), allocatable, intent(out) :: error
