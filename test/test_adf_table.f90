@@ -4,7 +4,7 @@
 module test_adf_table
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_lapack, only : dgels, dtrtri
+   use gyroakf_lapack, only : dgels, dtrtrs
    use gyroakf_progress, only : progress_type
    use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, &
       & plan_autocovariance, &
@@ -74,7 +74,7 @@ contains
       integer(int8), intent(in) :: valid(0:)
       !> The coefficients, their errors
       real(dp), allocatable, intent(out) :: value(:), std_error(:)
-      real(dp), allocatable :: a(:, :), b(:, :), work(:)
+      real(dp), allocatable :: a(:, :), b(:, :), inverse(:, :), work(:)
       integer :: t, j, m, k, info
 
       k = terms + lags + 1
@@ -89,9 +89,10 @@ contains
       end do
       call dgels("N", m, k, 1, a, size(x), b, size(x), work, size(work), info)
       value = b(:k, 1)
-      call dtrtri("U", "N", k, a, size(x), info)
+      allocate (inverse, source=reshape([1.0_dp, (0.0_dp, j=1, k)], [k, k], pad=[1.0_dp, (0.0_dp, j=1, k)]))
+      call dtrtrs("U", "T", "N", k, k, a, size(x), inverse, k, info)
       do j = 1, k
-         std_error(j) = norm2(a(j, j:k))*sqrt(sum(b(k + 1:m, 1)**2)/real(m - k, dp))
+         std_error(j) = norm2(inverse(:, j))*sqrt(sum(b(k + 1:m, 1)**2)/real(m - k, dp))
       end do
    end subroutine solve_dense
 
