@@ -4,7 +4,7 @@
 module test_adf_table
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_lapack, only : dgels, dtrtri
+   use gyroakf_lapack, only : dgels, dtrtrs
    use progress_watch, only : watch_type
    use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, &
       & plan_autocovariance, need_autocovariance
@@ -62,7 +62,7 @@ contains
       integer, intent(in) :: terms, lags
       integer(int8), intent(in) :: valid(0:)
       real(dp), allocatable, intent(out) :: value(:), std_error(:)
-      real(dp), allocatable :: a(:, :), b(:, :), work(:)
+      real(dp), allocatable :: a(:, :), b(:, :), inverse(:, :), work(:)
       integer :: t, j, m, k, info
 
       k = terms + lags + 1
@@ -77,9 +77,13 @@ contains
       end do
       call dgels("N", m, k, 1, a, size(x), b, size(x), work, size(work), info)
       value = b(:k, 1)
-      call dtrtri("U", "N", k, a, size(x), info)
+      allocate (inverse(k, k), source=0.0_dp)
       do j = 1, k
-         std_error(j) = norm2(a(j, j:k))*sqrt(sum(b(k + 1:m, 1)**2)/real(m - k, dp))
+         inverse(j, j) = 1
+      end do
+      call dtrtrs("U", "T", "N", k, k, a, size(x), inverse, k, info)
+      do j = 1, k
+         std_error(j) = norm2(inverse(:, j))*sqrt(sum(b(k + 1:m, 1)**2)/real(m - k, dp))
       end do
    end subroutine solve_dense
 

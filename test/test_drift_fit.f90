@@ -369,15 +369,10 @@ contains
    end subroutine test_long
 
    subroutine test_slow()
-      type(component_model_type) :: model
-      logical, allocatable :: slow(:)
+      real(dp), parameter :: phi(3) = [0.8_dp, 1.0_dp, -0.99_dp]
 
-      model%count = 3
-      model%phi = [0.8_dp, 1.0_dp, -0.99_dp]
-      call is_slow(model, 5.0_dp, slow)
-      call check(error, all(slow .eqv. [.false., .true., .false.]))
-      call is_slow(model, 4.0_dp, slow)
-      call check(error, all(slow .eqv. [.true., .true., .false.]))
+      call check(error, all(is_slow(phi, 5.0_dp) .eqv. [.false., .true., .false.]))
+      call check(error, all(is_slow(phi, 4.0_dp) .eqv. [.true., .true., .false.]))
    end subroutine test_slow
 
    subroutine test_refused()

@@ -4,10 +4,8 @@ module test_filter_series
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
-   use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
-   use gyroakf_filter_lag_sums, only : lag_sums_type, start_lag_sums, add_block, autocovariance_of, longest_lag
    use gyroakf_stats_whiteness, only : ljung_box_type, test_ljung_box
    use filter_library, only : fill_noise, make_series, paper_phi
    use expectations, only : unmet, failure => problem, test, error, check, check_refused
@@ -21,8 +19,6 @@ module test_filter_series
 contains
 
    subroutine suite_filter_series()
-      call test("lag_sums_across_borders", test_lag_sums)
-      call test("lag_sums_with_gaps", test_lag_sums_gaps)
       call test("diagnostics_direct", test_direct)
       call test("diagnostics_with_gaps", test_gaps)
       call test("paper_kalman_filter", test_paper)
@@ -34,53 +30,6 @@ contains
       call test("white_model_is_named", test_white)
       call test("refused", test_refused)
    end subroutine suite_filter_series
-
-   !> Blocks of uneven length against all at once, with an offset
-   subroutine test_lag_sums()
-      type(lag_sums_type) :: sums
-      real(dp), allocatable :: expected(:)
-      real(dp) :: x(3000), r(0:longest_lag), mean
-      integer :: first, last, stat
-
-      call make_series(70, 0.7_dp, 1.0_dp, 0.5_dp, x)
-      x = x + 20
-      call start_lag_sums(sums, 500, stat)
-      last = 0
-      do while (last < 3000)
-         first = last + 1
-         last = min(3000, first + mod(37*first, 499))
-         call add_block(sums, x(first:last))
-      end do
-      call autocovariance_of(sums, r)
-      call compute_autocovariance(x, longest_lag, mean, expected, failure)
-      call check(error, maxval(abs(r - expected)) <= rounding, "the autocovariances differ")
-      call check(error, sums%squares, sum(x**2), thr=rounding, rel=.true.)
-   end subroutine test_lag_sums
-
-   !> The same with missing samples, by pairs
-   subroutine test_lag_sums_gaps()
-      type(lag_sums_type) :: sums
-      integer(int64), allocatable :: pairs(:)
-      real(dp), allocatable :: expected(:)
-      real(dp) :: x(3000), r(0:longest_lag), mean
-      integer(int8) :: valid(3000)
-      integer :: first, k, last, stat
-
-      call make_series(71, 0.7_dp, 1.0_dp, 0.5_dp, x)
-      x = x - 3
-      valid = [(int(merge(0, 1, mod(k*k, 11) == 3 .or. abs(k - 1000) < 60), int8), k=1, 3000)]
-      call start_lag_sums(sums, 500, stat)
-      last = 0
-      do while (last < 3000)
-         first = last + 1
-         last = min(3000, first + mod(37*first, 499))
-         call add_block(sums, x(first:last), valid(first:last))
-      end do
-      call autocovariance_of(sums, r)
-      call compute_autocovariance(x, longest_lag, mean, expected, failure, valid, pairs)
-      call check(error, maxval(abs(r - expected)) <= rounding, "the autocovariances differ")
-      call check(error, all(nint(sums%pairs, int64) == pairs), "the pairs differ")
-   end subroutine test_lag_sums_gaps
 
    !> Every number against the whole series at once; longer than two blocks
    subroutine test_direct()

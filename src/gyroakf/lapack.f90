@@ -8,8 +8,7 @@ module gyroakf_lapack
    use gyroakf_kinds, only : dp
    implicit none (type, external)
    private
-   public :: dgemm, dpotrf, dpotrs, dpotri, dgels, dtrtri, dtrtrs, dsyev, dgesv, dgebal, dhseqr, &
-      dgeqrf
+   public :: dgemm, dpotrf, dpotrs, dpotri, dgels, dtrtrs, dsyev, dgesv, dgebal, dhseqr, dgeqrf
 
    abstract interface
       !> Works on a triangle of a symmetric matrix in place
@@ -45,16 +44,6 @@ module gyroakf_lapack
          real(dp), intent(inout) :: b(ldb, *)
          integer, intent(out) :: info
       end subroutine dpotrs
-
-      !> Inverse of a triangular matrix
-      subroutine dtrtri(uplo, diag, n, a, lda, info)
-         import :: dp
-         implicit none (type, external)
-         character(1), intent(in) :: uplo, diag
-         integer, intent(in) :: n, lda
-         real(dp), intent(inout) :: a(lda, *)
-         integer, intent(out) :: info
-      end subroutine dtrtri
 
       !> Least squares by QR or LQ, A of full rank
       subroutine dgels(trans, m, n, nrhs, a, lda, b, ldb, work, lwork, info)

@@ -174,7 +174,6 @@ contains
    !> The inverse Hessian before anything is known of it.
    pure subroutine reset(h, unit, inverse_hessian)
       real(dp), intent(out) :: h(:, :)
-      !> It is the unit matrix
       logical, intent(out) :: unit
       real(dp), intent(in), optional :: inverse_hessian(:, :)
       integer :: i
@@ -246,7 +245,6 @@ contains
       real(dp), intent(in) :: direction(:)
       type(point_type), intent(out) :: best
       integer, intent(inout) :: evaluations
-      !> There is one, lower than the origin
       logical, intent(out) :: found
       type(point_type) :: low, high, trial
       real(dp) :: step, noise

@@ -187,7 +187,6 @@ contains
       integer(int64), intent(in) :: first, last
       real(dp), intent(in) :: low, high
       integer(int64), intent(inout) :: below
-      !> Those between: [block_length]
       real(dp), intent(inout) :: kept(:)
       integer, intent(out) :: count
       real(dp) :: y(block_length)

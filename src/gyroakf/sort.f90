@@ -87,8 +87,7 @@ contains
    subroutine merge_level(from, to, width, begin, end)
       real(dp), intent(in), contiguous :: from(:)
       real(dp), intent(inout), contiguous :: to(:)
-      integer(int64), intent(in) :: width
-      integer(int64), intent(in) :: begin, end
+      integer(int64), intent(in) :: width, begin, end
       integer(int64) :: first, middle, last
 
       !$omp parallel do if (end - begin >= threads_from) default(shared) private(middle, last) &

@@ -12,7 +12,7 @@ module gyroakf_special
    use gyroakf_gamma, only : digamma, gamma_term, incomplete_gamma, ln_gamma, log1p, trigamma
    implicit none (type, external)
    private
-   public :: normal_cdf, log_normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
+   public :: normal_cdf, normal_quantile, chi_square_cdf, chi_square_survival, &
       chi_square_quantile, digamma, trigamma, ln_gamma, log1p
 
    real(dp), parameter :: pi = 3.1415926535897932384626433832795_dp
@@ -32,30 +32,6 @@ contains
 
       normal_cdf = 0.5_dp*erfc(-x*sqrt_half)
    end function normal_cdf
-
-   !> ln of the normal distribution function, accurate in both tails (4e-15; 1e-16 x^2, x > 6).
-   !>
-   !> $$\ln\Phi(x) = \ln(\tfrac12\mathrm{erfc}(-x/\sqrt2)) =
-   !>    -x^2/2 + \ln(\tfrac12 e^{x^2/2}\mathrm{erfc}(-x/\sqrt2))$$
-   !> the second form where x < -1, and $$\ln(1 - \Phi(-x))$$ by log1p where x > 0. ln(1 - Phi(x))
-   !> is `log_normal_cdf(-x)`.
-   elemental real(dp) function log_normal_cdf(x)
-      !> Any value; below -1e154 it is -infinity, NaN gives NaN
-      real(dp), intent(in) :: x
-      real(dp), parameter :: lowest = -1.0e154_dp
-
-      if (ieee_is_nan(x)) then
-         log_normal_cdf = x
-      else if (x > 0.0_dp) then
-         log_normal_cdf = log1p(-0.5_dp*erfc(x*sqrt_half))
-      else if (x >= -1.0_dp) then
-         log_normal_cdf = log(0.5_dp*erfc(-x*sqrt_half))
-      else if (x >= lowest) then
-         log_normal_cdf = log(0.5_dp*erfc_scaled(-x*sqrt_half)) - 0.5_dp*x*x
-      else
-         log_normal_cdf = ieee_value(x, ieee_negative_inf)
-      end if
-   end function log_normal_cdf
 
    !> Quantile of the standard normal distribution: the x where normal_cdf(x) = p.
    !>
@@ -165,8 +141,7 @@ contains
 
    !> The x where P(a, x) = p, for 0 < p < 1.
    pure real(dp) function gamma_quantile(p, a) result(x)
-      real(dp), intent(in) :: p
-      real(dp), intent(in) :: a
+      real(dp), intent(in) :: p, a
       real(dp) :: u, low, high, target, lower, upper, tail, gap, slope, curve, step, side
       integer :: i
 
@@ -202,8 +177,7 @@ contains
 
    !> ln x to start from.
    pure real(dp) function quantile_start(p, a) result(u)
-      real(dp), intent(in) :: p
-      real(dp), intent(in) :: a
+      real(dp), intent(in) :: p, a
       real(dp) :: root
 
       root = 1.0_dp - 1.0_dp/(9.0_dp*a) + normal_quantile(p)/(3.0_dp*sqrt(a))

@@ -12,9 +12,8 @@
 module filter_truth_innovation_window
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_filter_components, only : check_components, component_model_type, component_state_type, correct_components, &
-      predict_components, start_components
-   use gyroakf_filter_measurement, only : is_sample
+   use gyroakf_filter_components, only : check_components, component_model_type, &
+      component_state_type, correct_components, predict_components, start_components, is_sample
    use gyroakf_filter_filter_types, only : filter_options
    implicit none (type, external)
    private

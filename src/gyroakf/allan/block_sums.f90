@@ -8,7 +8,7 @@
 module gyroakf_allan_block_sums
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    implicit none (type, external)
    private
    public :: block_sums_type, sum_blocks, present_sample, count_non_finite, block_length, &
@@ -59,8 +59,7 @@ contains
       number = (n + block_length - 1)/block_length
       allocate (blocks%offset(number), stat=stat)
       if (stat == 0) allocate (blocks%absent(number + 1), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the integral of the record")
+      call check_memory(stat, "the integral of the record", error)
       if (allocated(error)) return
       call guess_mean(rate, pilot, valid)
       associate (sums => blocks%offset, absent => blocks%absent)

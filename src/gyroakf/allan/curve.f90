@@ -2,7 +2,7 @@
 !> A curve of the Allan family, and what fills it.
 module gyroakf_allan_curve
    use gyroakf_kinds, only : dp, int32, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_allan_degrees_of_freedom, only : chi_square_limits
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
    use gyroakf_allan_statistic, only : statistic_edf
@@ -81,7 +81,7 @@ contains
       if (stat == 0) allocate (curve%edf(points), stat=stat)
       if (stat == 0) allocate (curve%alpha(points), stat=stat)
       if (stat == 0) allocate (curve%share(points), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the Allan curve")
+      call check_memory(stat, "the Allan curve", error)
       if (allocated(error)) return
       curve%m(:) = pack(m, there)
       curve%terms(:) = pack(terms, there)

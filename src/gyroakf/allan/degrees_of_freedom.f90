@@ -80,7 +80,6 @@ contains
       !> Filter factor F of the direct sum, and of the scaled one
       real(dp), intent(in) :: filter, filter_long
       integer, intent(in) :: alpha, d
-      !> a0, a1
       real(dp), intent(in) :: table(2)
       !> b0 + b1 ln m of flicker phase noise
       real(dp), intent(in), optional :: scale
@@ -195,8 +194,7 @@ contains
    !> Table 1 of the paper: a0, a1 of modified variances.
    pure function table1(alpha, d) result(a)
       integer, intent(in) :: alpha, d
-      real(dp) :: a(2)
-      real(dp) :: t(2, 3)
+      real(dp) :: a(2), t(2, 3)
 
       t = 0
       select case (alpha)
@@ -214,8 +212,7 @@ contains
    !> Table 2: unmodified variances.
    pure function table2(alpha, d) result(a)
       integer, intent(in) :: alpha, d
-      real(dp) :: a(2)
-      real(dp) :: t(2, 3)
+      real(dp) :: a(2), t(2, 3)
 
       t = 0
       select case (alpha)

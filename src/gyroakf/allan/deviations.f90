@@ -32,24 +32,17 @@
 !> noise.
 !>
 !> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008),
-!> section 5.2. Missing samples: [[gapped_variances]].
+!> section 5.2. Missing samples: [[allan_variances]].
 module gyroakf_allan_deviations
    use gyroakf_kinds, only : dp, int8, int32, int64
-   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_allan_block_sums, only : block_sums_type, sum_blocks
    use gyroakf_allan_curve, only : allan_curve_type, fill_curve, fill_limits, fill_octaves
-   use gyroakf_allan_gaps, only : gapped_variances
+   use gyroakf_allan_gaps, only : allan_variances
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_identification, only : identify_noise
-   use gyroakf_allan_phase, only : integrate_blocks, level_phase
-   use gyroakf_allan_phase_average, only : sum_phase_averages
-   use gyroakf_allan_reflection, only : add_reflected_differences
-   use gyroakf_allan_phase_difference, only : sum_phase_differences
-   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor, &
-      & term_count, variance_divisor
-   use gyroakf_allan_thin_phase, only : choose_step, fill_from_few_phases
-   use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
+   use gyroakf_allan_phase, only : integrate_rate, level_phase
+   use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
@@ -94,32 +87,19 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(block_sums_type) :: blocks
       real(dp), allocatable :: phase(:)
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
-      integer :: place
 
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), &
          & sample_interval, m, error)
       if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, &
          & progress)
-      if (.not. allocated(error)) call sum_blocks(rate, blocks, error, valid)
       if (allocated(error)) return
-      call begin_curve(options, size(rate, kind=int64), sample_interval, curve)
-      place = 0
-      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) then
-         place = choose_step(size(rate, kind=int64), m)
-      end if
-      if (place > 0) then
-         call fill_from_few_phases(rate, blocks, m, place, options%min_coverage, curve, error, &
-            & progress)
-      else
-         call integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
-         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, options, curve, error, &
-            & progress)
-      end if
+      call integrate_rate(rate, phase, missing, error, valid, progress)
+      if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, &
+         & curve, error, progress)
    end subroutine compute_allan
 
    !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the
@@ -144,14 +124,11 @@ contains
       integer(int64), allocatable :: m(:)
 
       call check_arguments(sample_interval, options, error)
-      if (.not. allocated(error)) then
-         call choose_factors(options, max(size(phase, kind=int64) - 1, 0_int64), sample_interval, &
-            & m, error)
-      end if
+      if (.not. allocated(error)) call choose_factors(options, max(size(phase, kind=int64) - 1, &
+         & 0_int64), sample_interval, m, error)
       if (.not. allocated(error)) call level_phase(phase, sample_interval, level, error)
       if (allocated(error)) return
-      call begin_curve(options, size(phase, kind=int64) - 1, sample_interval, curve)
-      call curve_of_phase(level, missing, m, options, curve, error)
+      call curve_of_phase(level, missing, m, sample_interval, options, curve, error)
    end subroutine compute_allan_from_phase
 
    !> Averaging factors that the statistic can have.
@@ -175,34 +152,21 @@ contains
       else if (points > 0) then
          allocate (m(points), stat=stat)
          if (stat == 0) m(:) = grid(:points)
-         if (stat /= 0) call fatal_error(error, status%no_memory, &
-            & "no memory for the averaging factors")
+         call check_memory(stat, "the averaging factors", error)
       else
          call fatal_error(error, status%too_few_samples, &
             & "no averaging time is short enough for the "//trim(options%kind)//" of this record")
       end if
    end subroutine choose_factors
 
-   !> What the arguments say of the curve.
-   pure subroutine begin_curve(options, samples, sample_interval, curve)
-      type(allan_options), intent(in) :: options
-      integer(int64), intent(in) :: samples
-      real(dp), intent(in) :: sample_interval
-      type(allan_curve_type), intent(inout) :: curve
-
-      curve%kind = options%kind
-      curve%samples = samples
-      curve%sample_interval = sample_interval
-      curve%confidence = options%confidence
-   end subroutine begin_curve
-
    !> The curve from the integral of the record.
-   subroutine curve_of_phase(phase, missing, m, options, curve, error, progress)
+   subroutine curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
       !> Phase in units of rate times sample: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
       integer(int32), allocatable, intent(in) :: missing(:)
       integer(int64), intent(in) :: m(:)
+      real(dp), intent(in) :: sample_interval
       type(allan_options), intent(in) :: options
       type(allan_curve_type), intent(inout) :: curve
       type(error_type), allocatable, intent(out) :: error
@@ -213,19 +177,18 @@ contains
       logical, allocatable :: shown(:)
       integer :: stat
 
+      curve%kind = options%kind
+      curve%samples = ubound(phase, 1, kind=int64)
+      curve%sample_interval = sample_interval
+      curve%confidence = options%confidence
       call add_octaves(options%kind, ubound(phase, 1, kind=int64), m, all_m, shown)
       allocate (variance(size(all_m)), stat=stat)
       if (stat == 0) allocate (terms(size(all_m)), stat=stat)
       if (stat == 0) allocate (share(size(all_m)), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the Allan variances")
+      call check_memory(stat, "the Allan variances", error)
       if (allocated(error)) return
-      if (allocated(missing)) then
-         call gapped_variances(options%kind, phase, missing, all_m, options%min_coverage, &
-            & variance, terms, share, error, progress)
-      else
-         call complete_variances(options%kind, phase, all_m, variance, terms, error, progress)
-         share = 1
-      end if
+      call allan_variances(options%kind, phase, all_m, options%min_coverage, variance, terms, &
+         & share, error, missing, progress)
       if (allocated(error)) return
       if (options%kind == "oadev") call fill_octaves(phase, missing, all_m, variance, share, &
          & curve%octaves)
@@ -259,35 +222,6 @@ contains
          octave = 2*octave
       end do
    end subroutine add_octaves
-
-   !> Variances of a record without gaps.
-   subroutine complete_variances(kind, phase, m, variance, terms, error, progress)
-      character(*), intent(in) :: kind
-      real(dp), intent(in), contiguous :: phase(0:)
-      integer(int64), intent(in) :: m(:)
-      !> Variances: [size(m)]; tdev: those of mdev
-      real(dp), intent(out) :: variance(:)
-      integer(int64), intent(out) :: terms(:)
-      type(error_type), allocatable, intent(out) :: error
-      class(progress_type), intent(inout), optional :: progress
-      type(gap_sums_type) :: sums(size(m))
-
-      terms = term_count(kind, ubound(phase, 1, kind=int64), m)
-      select case (kind)
-      case ("adev", "hdev")
-         call sum_windows(phase, m, difference_order(kind), .false., sums, error, progress=progress)
-         variance = sums%squares
-      case ("mdev", "tdev")
-         call sum_phase_averages(phase, m, variance, error, progress)
-      case default
-         call sum_phase_differences(phase, m, difference_order(kind), variance, error, progress)
-         if (kind == "totdev" .and. .not. allocated(error)) then
-            call add_reflected_differences(phase, m, variance, error, progress)
-         end if
-      end select
-      if (allocated(error)) return
-      variance = variance/(variance_divisor(kind, m)*real(terms, dp))
-   end subroutine complete_variances
 
    !> Rejects what is out of range.
    subroutine check_arguments(sample_interval, options, error)

@@ -111,15 +111,7 @@ contains
       squares = 0
       fourths = 0
       counted = 0
-      if (size(missing) > 1) then
-         do k = first, last, m
-            if (missing(k + 2*m) > missing(k)) cycle
-            u = (scale*(((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k))) - mean))**2
-            counted = counted + 1
-            squares = squares + u
-            fourths = fourths + u**2
-         end do
-      else if (m == 1) then
+      if (m == 1 .and. size(missing) == 1) then
          counted = max(0_int64, last - first + 1)
          !$omp simd reduction(+:squares, fourths) private(u)
          do k = first, last
@@ -128,8 +120,11 @@ contains
             fourths = fourths + u**2
          end do
       else
-         if (last >= first) counted = (last - first)/m + 1
          do k = first, last, m
+            if (size(missing) > 1) then
+               if (missing(k + 2*m) > missing(k)) cycle
+            end if
+            counted = counted + 1
             u = (scale*(((phase(k + 2*m) - phase(k + m)) - (phase(k + m) - phase(k))) - mean))**2
             squares = squares + u
             fourths = fourths + u**2

@@ -193,23 +193,32 @@ contains
       end do
    end function relative_covariance
 
-   !> L^-1 B of a covariance matrix L L': [n, n], [n, k]. Where rounding takes its least eigenvalue
-   !> below 0, its diagonal is raised.
-   function whitened(covariance, b) result(x)
-      real(dp), intent(in) :: covariance(:, :), b(:, :)
-      real(dp) :: x(size(b, 1), size(b, 2)), factor(size(b, 1), size(b, 1)), raise
+   !> L of a covariance matrix L L', in the lower triangle. Where rounding takes its least
+   !> eigenvalue below 0, its diagonal is raised.
+   function factor_of(covariance) result(factor)
+      real(dp), intent(in) :: covariance(:, :)
+      real(dp) :: factor(size(covariance, 1), size(covariance, 1)), raise
       integer :: info, j
 
       raise = 0
       do
          factor = covariance
-         do j = 1, size(b, 1)
+         do j = 1, size(factor, 1)
             factor(j, j) = factor(j, j)*(1 + raise)
          end do
-         call dpotrf("L", size(b, 1), factor, size(b, 1), info)
+         call dpotrf("L", size(factor, 1), factor, size(factor, 1), info)
          if (info == 0) exit
          raise = max(1e-12_dp, 10*raise)
       end do
+   end function factor_of
+
+   !> L^-1 B of a covariance matrix L L': [n, n], [n, k].
+   function whitened(covariance, b) result(x)
+      real(dp), intent(in) :: covariance(:, :), b(:, :)
+      real(dp) :: x(size(b, 1), size(b, 2)), factor(size(b, 1), size(b, 1))
+      integer :: info
+
+      factor = factor_of(covariance)
       x = b
       call dtrtrs("L", "N", "N", size(b, 1), size(b, 2), factor, size(b, 1), x, size(b, 1), info)
    end function whitened
@@ -217,15 +226,11 @@ contains
    !> Logarithm of the determinant of a covariance matrix.
    real(dp) function log_determinant(covariance)
       real(dp), intent(in) :: covariance(:, :)
-      real(dp) :: inverse(size(covariance, 1), size(covariance, 1))
+      real(dp) :: factor(size(covariance, 1), size(covariance, 1))
       integer :: j
 
-      inverse = 0
-      do j = 1, size(inverse, 1)
-         inverse(j, j) = 1
-      end do
-      inverse = whitened(covariance, inverse)
-      log_determinant = -2*sum([(log(inverse(j, j)), j=1, size(inverse, 1))])
+      factor = factor_of(covariance)
+      log_determinant = 2*sum([(log(factor(j, j)), j=1, size(factor, 1))])
    end function log_determinant
 
    !> Minimizes |A x - b| subject to x >= 0: the conditions of the minimum are a linear

@@ -17,26 +17,34 @@
 !>    E_j = \sum_s T(s)^2 p_{j+s}, \quad
 !>    F_j = \sum_{s=1}^{m} s (m - s)\, p_{j+m+s} $$
 !>
-!> and (m^2 + 1)/m^3 in a complete record; the sum of the differences is what [[gapped_variances]]
+!> and (m^2 + 1)/m^3 in a complete record; the sum of the differences is what [[allan_variances]]
 !> takes out. D, E and F follow from the number of missing samples in the three windows of m samples
 !> and its first two moments about their beginnings, which go from term to term by recursion, as the
-!> sums of the rate do: a term costs the same whatever m. The recursions restart at fixed places: no
-!> bit depends on the number of threads.
+!> sums of the rate do: a term costs the same whatever m. Without gaps the kernel is
+!> [[gyroakf_allan_phase_average]].
 module gyroakf_allan_gapped_average
    use gyroakf_kinds, only : dp, int32, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
-   use gyroakf_allan_phase_average, only : chain_type, list_chains, no_memory_text
+   use gyroakf_allan_phase_average, only : add_terms
    use gyroakf_allan_window_difference, only : add_sums, gap_sums_type
    implicit none (type, external)
    private
-   public :: sum_gapped_averages
+   public :: sum_phase_averages
 
-   !> Terms of a chain at least
-   integer(int64), parameter :: chain_least = 32768
+   !> Terms of a chain at least: of a record without gaps, of one with gaps
+   integer(int64), parameter :: chain_least = 65536, gapped_least = 32768
    !> Terms times factors below which one thread is quicker
-   integer(int64), parameter :: parallel_from = 200000
+   integer(int64), parameter :: parallel_from = 1000000
+
+   !> Neighboring terms that a recursion runs over
+   type :: chain_type
+      !> Place of their averaging factor
+      integer :: factor = 0
+      !> The first of them, and how many
+      integer(int64) :: begin = 0, terms = 0
+   end type chain_type
 
    !> What goes from term to term
    type :: state_type
@@ -50,19 +58,24 @@ module gyroakf_allan_gapped_average
 contains
 
    !> For each m the sums over j = 0 .. n - 3m + 1.
-   subroutine sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
+   !>
+   !> The recursions restart at fixed places: no rounding error runs along, and no bit depends on
+   !> the number of threads. Chains at the same place follow each other: they share a stretch of the
+   !> record while it is in the cache.
+   subroutine sum_phase_averages(phase, m, sums, error, missing, coverage, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors, 1 <= m <= (n + 1)/3: [any number]
       integer(int64), intent(in) :: m(:)
-      !> Share of the weight of each triangle that must be present, > 0, <= 1: [size(m)]
-      real(dp), intent(in) :: coverage(:)
-      !> The sums: [size(m)]; the inflation is the sum of V - (m^2 + 1)/m^3
+      !> The sums: [size(m)]; with `missing` of differences of means, and the inflation is the sum
+      !> of V - (m^2 + 1)/m^3; without, of differences of sums
       type(gap_sums_type), intent(out) :: sums(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Missing samples so far: [0:n]; none are missing if absent
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      !> Share of the weight of each triangle that must be present, > 0, <= 1: [size(m)]
+      real(dp), intent(in), optional :: coverage(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
@@ -72,38 +85,66 @@ contains
       integer :: i, stat
 
       terms = ubound(phase, 1, kind=int64) + 2
-      call list_chains(terms - 3*m, max(chain_least, 2*m), chain, stat)
+      if (present(missing)) then
+         call list_chains(terms - 3*m, max(gapped_least, 2*m), chain, stat)
+      else
+         call list_chains(terms - 3*m, max(chain_least, 8*m), chain, stat)
+      end if
       if (stat == 0) allocate (part(size(chain, kind=int64)), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, no_memory_text)
+      call check_memory(stat, "the partial sums of the modified Allan variance", error)
       if (allocated(error)) return
       total = size(chain, kind=int64)
       group = max(total, 1_int64)
-      if (present(progress)) group = thread_count()
-      do from = total, 1, -group
-         call report_progress("Allan deviation", chain_least*(total - from), chain_least*total, &
+      if (present(progress)) group = 8*thread_count()
+      do from = 1, total, group
+         call report_progress("Allan deviation", sum(chain(:from - 1)%terms), sum(chain%terms), &
             & error, progress)
          if (allocated(error)) return
-         !$omp parallel do schedule(dynamic) private(i) if ((terms - 3)*size(m) >= parallel_from)
-         do item = from, max(from - group + 1, 1_int64), -1
+         !$omp parallel do schedule(dynamic) private(i) if (terms*size(m) >= parallel_from)
+         do item = from, min(from + group - 1, total)
             i = chain(item)%factor
-            call add_chain(phase, missing, m(i), coverage(i), chain(item)%begin, &
-               & chain(item)%terms, part(item))
+            if (present(missing)) then
+               call add_gapped_chain(phase, missing, m(i), coverage(i), chain(item)%begin, &
+                  & chain(item)%terms, part(item))
+            else
+               call add_terms(phase, m(i), chain(item)%begin, chain(item)%terms, part(item)%squares)
+            end if
          end do
          !$omp end parallel do
       end do
       do item = 1, total
          call add_sums(part(item), sums(chain(item)%factor))
       end do
-   end subroutine sum_gapped_averages
+   end subroutine sum_phase_averages
+
+   !> Cuts the terms of each factor into chains, in the order of their places.
+   pure subroutine list_chains(terms, length, chain, stat)
+      !> Terms of each factor, and of its chains at most
+      integer(int64), intent(in) :: terms(:), length(:)
+      type(chain_type), allocatable, intent(out) :: chain(:)
+      integer, intent(out) :: stat
+      integer(int64) :: item, first, begin
+      integer :: i
+
+      allocate (chain(sum((terms - 1)/length + 1)), stat=stat)
+      if (stat /= 0) return
+      item = 0
+      do first = 0, maxval(terms) - 1, minval(length)
+         do i = 1, size(terms)
+            begin = (first + length(i) - 1)/length(i)*length(i)
+            if (begin >= min(first + minval(length), terms(i))) cycle
+            item = item + 1
+            chain(item) = chain_type(i, begin, min(length(i), terms(i) - begin))
+         end do
+      end do
+   end subroutine list_chains
 
    !> Some neighboring terms.
-   pure subroutine add_chain(phase, missing, m, coverage, first, terms, sums)
+   pure subroutine add_gapped_chain(phase, missing, m, coverage, first, terms, sums)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int32), intent(in), contiguous :: missing(0:)
       integer(int64), intent(in) :: m
-      !> Share of the weight that must be present
       real(dp), intent(in) :: coverage
-      !> First term, and how many
       integer(int64), intent(in) :: first, terms
       type(gap_sums_type), intent(out) :: sums
 
@@ -125,7 +166,7 @@ contains
          end if
          if (j < first + terms - 1) call advance(phase, missing, m, j, complete, state)
       end do
-   end subroutine add_chain
+   end subroutine add_gapped_chain
 
    !> The state at a term, from sums over its windows.
    pure function first_state(phase, missing, m, j) result(state)

@@ -21,16 +21,17 @@
 !> it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
 module gyroakf_allan_gaps
    use gyroakf_kinds, only : dp, int32, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type
-   use gyroakf_allan_gapped_average, only : sum_gapped_averages
+   use gyroakf_allan_gapped_average, only : sum_phase_averages
    use gyroakf_allan_grid, only : averaging_factors
-   use gyroakf_allan_reflection, only : add_gapped_reflections, complete_weight
-   use gyroakf_allan_statistic, only : difference_order, term_count
+   use gyroakf_allan_phase_difference, only : sum_phase_differences
+   use gyroakf_allan_reflection, only : add_reflections, complete_weight
+   use gyroakf_allan_statistic, only : difference_order, term_count, variance_divisor
    use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
    implicit none (type, external)
    private
-   public :: gapped_variances, window_coverage
+   public :: allan_variances, window_coverage
 
    !> Share of a gapped variance that the correction leaves at least
    real(dp), parameter :: correction_floor = 0.1_dp
@@ -86,16 +87,13 @@ contains
       end do
    end function window_coverage
 
-   !> Variances of a record with missing samples, the inflation by the samples that are not there
-   !> removed.
-   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, share, &
-      & error, progress)
+   !> Variances of a record; with missing samples the inflation by those that are not there removed.
+   subroutine allan_variances(kind, phase, m, min_coverage, variance, terms, share, error, &
+      & missing, progress)
       !> A known statistic
       character(*), intent(in) :: kind
       !> Phase: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors
       integer(int64), intent(in) :: m(:)
       !> Share of a window that must be present, but for scattered losses
@@ -109,7 +107,46 @@ contains
       real(dp), intent(out) :: share(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Missing samples so far: [0:n]; none are missing if absent
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
       !> Progress callback; may cancel
+      class(progress_type), intent(inout), optional :: progress
+
+      type(gap_sums_type) :: sums(size(m))
+
+      if (present(missing)) then
+         call gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, share, &
+            & error, progress)
+         return
+      end if
+      share = 1
+      terms = term_count(kind, ubound(phase, 1, kind=int64), m)
+      select case (kind)
+      case ("adev", "hdev")
+         call sum_windows(phase, m, difference_order(kind), .false., sums, error, progress=progress)
+      case ("mdev", "tdev")
+         call sum_phase_averages(phase, m, sums, error, progress=progress)
+      case default
+         call sum_phase_differences(phase, m, difference_order(kind), sums%squares, error, progress)
+         if (kind == "totdev" .and. .not. allocated(error)) then
+            call add_reflections(phase, m, sums, error, progress=progress)
+         end if
+      end select
+      if (allocated(error)) return
+      variance = sums%squares/(variance_divisor(kind, m)*real(terms, dp))
+   end subroutine allan_variances
+
+   !> Variances of a record with missing samples; arguments as of `allan_variances`.
+   subroutine gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, share, &
+      & error, progress)
+      character(*), intent(in) :: kind
+      real(dp), intent(in), contiguous :: phase(0:)
+      integer(int32), intent(in), contiguous :: missing(0:)
+      integer(int64), intent(in) :: m(:)
+      real(dp), intent(in) :: min_coverage
+      real(dp), intent(out) :: variance(:), share(:)
+      integer(int64), intent(out) :: terms(:)
+      type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
 
       type(gap_sums_type), allocatable :: sums(:)
@@ -117,6 +154,7 @@ contains
       real(dp), allocatable :: within(:), coverage(:)
       real(dp) :: divisor, raw
       integer :: i, stat
+      logical :: same
 
       call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
       if (allocated(error)) return
@@ -126,20 +164,21 @@ contains
          & progress)
       if (allocated(error)) return
       call variance_within_windows(sums, octave, within)
-      if (kind /= "oadev" .or. .not. same(m, octave)) then
+      same = kind == "oadev" .and. size(m) == size(octave)
+      if (same) same = all(m == octave)
+      if (.not. same) then
          deallocate (sums)
          allocate (sums(size(m)), stat=stat)
-         if (stat /= 0) call fatal_error(error, status%no_memory, &
-            & "no memory for the Allan variances")
+         call check_memory(stat, "the Allan variances", error)
          if (allocated(error)) return
          associate (coverage => coverage(size(octave) + 1:))
             if (any(kind == ["mdev", "tdev"])) then
-               call sum_gapped_averages(phase, missing, m, coverage, sums, error, progress)
+               call sum_phase_averages(phase, m, sums, error, missing, coverage, progress)
             else
                call sum_windows(phase, m, difference_order(kind), all(kind /= ["adev", "hdev"]), &
                   & sums, error, missing, coverage, progress)
                if (kind == "totdev" .and. .not. allocated(error)) then
-                  call add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
+                  call add_reflections(phase, m, sums, error, missing, coverage, progress)
                end if
             end if
          end associate
@@ -174,20 +213,10 @@ contains
       end if
    end subroutine divide_by_weight
 
-   !> Whether two lists are equal.
-   pure logical function same(a, b)
-      integer(int64), intent(in) :: a(:), b(:)
-
-      same = size(a) == size(b)
-      if (same) same = all(a == b)
-   end function same
-
    !> Variance of the samples within windows of 1, 2, 4 ... samples, from the variances of the
    !> octaves.
    pure subroutine variance_within_windows(sums, octave, within)
-      !> Sums of each octave
       type(gap_sums_type), intent(in) :: sums(:)
-      !> 1, 2, 4 ...
       integer(int64), intent(in) :: octave(:)
       !> S^2 of windows of that length; of the first, of two samples
       real(dp), intent(out) :: within(:)
@@ -205,9 +234,7 @@ contains
 
    !> Variance from the sums, less what the missing samples add.
    pure real(dp) function corrected(sums, within, divisor)
-      !> Sums of one averaging factor
       type(gap_sums_type), intent(in) :: sums
-      !> Variance of the samples within a window
       real(dp), intent(in) :: within
       !> 2 (Allan) or 6 (Hadamard)
       real(dp), intent(in) :: divisor

@@ -16,7 +16,8 @@
 !> mixture, [[mixture_covariances]], for n/2 samples, of logarithms (nu/2 psi'(nu/2) on the diagonal
 !> instead of 1), divided by the share that gaps leave of the degrees of freedom. One statistic for
 !> all averaging times is d' C^-1 d in the space of the eigenvectors that carry information
-!> ([[whitening]]); it is chi-square. Averaging times with few degrees of freedom are left out.
+!> (neighboring averaging times say almost the same); it is chi-square. Averaging times with few
+!> degrees of freedom are left out.
 !>
 !> Noise that is not Gaussian scatters otherwise: the innovations' excess kurtosis kappa adds
 !> kappa/(n/2) to the covariance of every two relative variances of a linear process (Bartlett's
@@ -34,12 +35,12 @@ module gyroakf_allan_halves
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
    use gyroakf_allan_fit_covariance, only : covariance_basis, covariance_basis_type, &
       & mixture_covariances
-   use gyroakf_allan_whitening, only : whitening
+   use gyroakf_allan_gaps, only : allan_variances
    use gyroakf_allan_grid, only : averaging_factors
+   use gyroakf_lapack, only : dsyev
    use gyroakf_allan_noise_fit, only : noise_type
    use gyroakf_allan_noise_model, only : model_variance, term_count
    use gyroakf_allan_phase, only : integrate_rate
-   use gyroakf_allan_segment, only : segment_variances
    implicit none (type, external)
    private
    public :: halves_options, halves_type, compare_halves
@@ -82,6 +83,9 @@ module gyroakf_allan_halves
    integer, parameter :: points_max = 80
    !> Excess kurtosis of uniform noise
    real(dp), parameter :: kurtosis_least = -1.2_dp
+   !> Eigenvalues of the correlation matrix below this share of the largest one are below the
+   !> accuracy of the covariance
+   real(dp), parameter :: eigenvalue_share = 1e-3_dp
    !> A half whose variance is a smaller share of the other's is constant but for rounding
    real(dp), parameter :: constant_share = 1e-20_dp
 
@@ -116,6 +120,7 @@ contains
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
       integer(int64) :: n, half
+      integer :: i
       character(:), allocatable :: taus
 
       n = size(rate, kind=int64)
@@ -132,13 +137,13 @@ contains
          & progress)
       if (allocated(error)) return
       allocate (variance(size(m), 2), share(size(m), 2))
-      call segment_variances(phase, missing, 1_int64, half, m, options%min_coverage, &
-         & variance(:, 1), share(:, 1), error, progress)
-      if (.not. allocated(error)) call segment_variances(phase, missing, n - half + 1, n, m, &
-         & options%min_coverage, variance(:, 2), share(:, 2), error, progress)
-      if (.not. allocated(error)) call report_progress("comparing the halves", n/2, n, error, &
-         & progress)
-      if (allocated(error)) return
+      do i = 1, 2
+         call measure_half(phase, missing, merge(0_int64, n - half, i == 1), half, m, &
+            & options%min_coverage, variance(:, i), share(:, i), kurtosis(i), error, progress)
+         if (.not. allocated(error)) call report_progress("comparing the halves", i*half, n, &
+            & error, progress)
+         if (allocated(error)) return
+      end do
       if (any(minval(share, dim=2) > 0 &
          & .and. minval(variance, dim=2) <= max(constant_share*maxval(variance, dim=2), &
          & tiny(1.0_dp)))) then
@@ -147,13 +152,42 @@ contains
          return
       end if
       halves%confidence = options%confidence
-      call innovation_kurtosis(phase, missing, 0_int64, half, maxval(variance), kurtosis(1))
-      call report_progress("comparing the halves", n - n/4, n, error, progress)
-      if (allocated(error)) return
-      call innovation_kurtosis(phase, missing, n - half, n, maxval(variance), kurtosis(2))
       call compare_variances(half, sample_interval, m, variance, share, noise%squares, &
          & sum(kurtosis)/2, options, halves, error)
    end subroutine compare_halves
+
+   !> Variances of a half, and the excess kurtosis of its innovations, at least that of uniform
+   !> noise. A second difference does not see where the integral began nor which mean was taken
+   !> out: a part of the record needs no integral of its own.
+   subroutine measure_half(phase, missing, first, length, m, min_coverage, variance, share, &
+      & kurtosis, error, progress)
+      real(dp), intent(in), contiguous :: phase(0:)
+      integer(int32), allocatable, intent(in) :: missing(:)
+      !> First phase of the half, and its samples
+      integer(int64), intent(in) :: first, length
+      integer(int64), intent(in) :: m(:)
+      real(dp), intent(in) :: min_coverage
+      real(dp), intent(out) :: variance(:), share(:), kurtosis
+      type(error_type), allocatable, intent(out) :: error
+      class(progress_type), intent(inout), optional :: progress
+      integer(int64) :: terms(size(m))
+      real(dp) :: found(1)
+
+      associate (part => phase(first:first + length))
+         if (allocated(missing)) then
+            call allan_variances("oadev", part, m, min_coverage, variance, terms, share, error, &
+               & missing(first:first + length), progress)
+            if (.not. allocated(error)) call find_kurtosis(part, [1_int64], variance(:1), found, &
+               & missing(first:first + length))
+         else
+            call allan_variances("oadev", part, m, min_coverage, variance, terms, share, error, &
+               & progress=progress)
+            if (.not. allocated(error)) call find_kurtosis(part, [1_int64], variance(:1), found)
+         end if
+      end associate
+      kurtosis = kurtosis_least
+      if (.not. allocated(error)) kurtosis = max(found(1), kurtosis_least)
+   end subroutine measure_half
 
    !> Rejects what is out of range.
    subroutine check_arguments(half, sample_interval, noise, options, error)
@@ -182,26 +216,6 @@ contains
       end if
    end subroutine check_arguments
 
-   !> Excess kurtosis of the innovations of a half, at least that of uniform noise; 0 where nothing
-   !> varies.
-   subroutine innovation_kurtosis(phase, missing, first, last, scale, kurtosis)
-      real(dp), intent(in), contiguous :: phase(0:)
-      integer(int32), allocatable, intent(in) :: missing(:)
-      !> First and last phase that count
-      integer(int64), intent(in) :: first, last
-      !> A variance of the record
-      real(dp), intent(in) :: scale
-      real(dp), intent(out) :: kurtosis
-      real(dp) :: found(1)
-
-      if (allocated(missing)) then
-         call find_kurtosis(phase(first:last), [1_int64], [scale], found, missing(first:last))
-      else
-         call find_kurtosis(phase(first:last), [1_int64], [scale], found)
-      end if
-      kurtosis = max(found(1), kurtosis_least)
-   end subroutine innovation_kurtosis
-
    !> The ratios, and the statistic of all of them.
    subroutine compare_variances(half, sample_interval, m, variance, share, model, kurtosis, &
       & options, halves, error)
@@ -214,7 +228,7 @@ contains
       type(halves_type), intent(inout) :: halves
       type(error_type), allocatable, intent(out) :: error
 
-      real(dp), dimension(size(m), 2) :: edf
+      real(dp), dimension(size(m), 2) :: edf, factor
       real(dp) :: covariance(size(m), size(m))
       real(dp), allocatable :: change(:), axes(:, :), deviation(:), kept(:, :)
       integer, allocatable :: place(:)
@@ -236,9 +250,15 @@ contains
       change = log(variance(place, 2)/variance(place, 1)) &
          & - (digamma(edf(place, 2)) - log(edf(place, 2))) &
          & + (digamma(edf(place, 1)) - log(edf(place, 1)))
-      call add_halves(edf, share, covariance)
+      ! from the relative covariance of one half to that of the difference of the logarithms of both
+      factor = 0
+      where (edf > 0) factor = sqrt(edf*trigamma(edf)/share)
+      do i = 1, size(m)
+         covariance(:, i) = covariance(:, i)*(factor(:, 1)*factor(i, 1) + factor(:, 2)*factor(i, 2))
+      end do
       kept = covariance(place, place)
-      call whitening(kept, axes)
+      deviation = [(sqrt(kept(i, i)), i=1, size(place))]
+      call find_axes(kept, deviation, axes)
       halves%freedom = size(axes, 1)
       halves%statistic = sum(matmul(axes, change)**2)
       if (halves%freedom > 0) halves%p_value = chi_square_survival(halves%statistic, &
@@ -247,7 +267,6 @@ contains
       halves%changed = halves%p_value < 1 - options%confidence
       halves%tau = real(m(place), dp)*sample_interval
       halves%ratio = exp(change/2)
-      deviation = [(sqrt(kept(i, i)), i=1, size(place))]
       halves%score = change/deviation
       halves%differs = halves%changed &
          & .and. abs(halves%score) > normal_quantile(1 - (1 - options%confidence)/(2*size(place)))
@@ -273,26 +292,26 @@ contains
       end do
    end subroutine relative_covariance
 
-   !> From the relative covariance of one half to that of the difference of the logarithms of both.
-   pure subroutine add_halves(freedom, share, covariance)
-      !> Half the degrees of freedom, and shares of them that gaps leave: [k, 2]; rows without terms
-      !> are not used
-      real(dp), intent(in) :: freedom(:, :), share(:, :)
-      real(dp), intent(inout) :: covariance(:, :)
+   !> Combinations of correlated points that are independent and of variance 1.
+   subroutine find_axes(covariance, deviation, axes)
+      real(dp), intent(in) :: covariance(:, :), deviation(:)
+      !> One in each row: [kept, points]
+      real(dp), allocatable, intent(out) :: axes(:, :)
+      real(dp) :: vector(size(deviation), size(deviation)), value(size(deviation)), &
+         & work(64*size(deviation) + 64)
+      integer :: i, n, kept, info
 
-      real(dp) :: factor(size(freedom, 1), 2), half
-      integer :: i, j
-
-      factor = 0
-      do j = 1, 2
-         do i = 1, size(factor, 1)
-            half = freedom(i, j)
-            if (half > 0) factor(i, j) = sqrt(half*trigamma(half)/share(i, j))
-         end do
+      n = size(deviation)
+      do i = 1, n
+         vector(:, i) = covariance(:, i)/(deviation*deviation(i))
       end do
-      do i = 1, size(factor, 1)
-         covariance(:, i) = covariance(:, i)*(factor(:, 1)*factor(i, 1) + factor(:, 2)*factor(i, 2))
+      call dsyev("V", "U", n, vector, n, value, work, size(work), info)
+      kept = 0
+      if (info == 0) kept = count(value > eigenvalue_share*value(n))
+      allocate (axes(kept, n))
+      do i = 1, kept                                        ! the last ones: dsyev sorts upwards
+         axes(i, :) = vector(:, n - kept + i)/(deviation*sqrt(value(n - kept + i)))
       end do
-   end subroutine add_halves
+   end subroutine find_axes
 
 end module gyroakf_allan_halves

@@ -9,12 +9,12 @@
 !> autocorrelation", Proc. 18th EFTF (2004). It needs 30 means; beyond that the last identified
 !> noise is carried on.
 module gyroakf_allan_noise_identification
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_allan_gaps, only : window_coverage
    implicit none (type, external)
    private
-   public :: identify_noise, means_max
+   public :: identify_noise
 
    !> Means that an identification needs
    integer(int64), parameter :: means_min = 30
@@ -62,8 +62,7 @@ contains
          end if
       end do
       !$omp end parallel do
-      if (any(stat /= 0)) call fatal_error(error, status%no_memory, &
-         & "no memory for the means of a noise identification")
+      call check_memory(maxval(abs(stat)), "the means of a noise identification", error)
       last = 0
       do i = 1, size(m)
          if (alpha(i) == unknown) alpha(i) = last
@@ -76,11 +75,9 @@ contains
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int64), intent(in) :: m
       real(dp), intent(in) :: coverage
-      !> Differences at most
       integer, intent(in) :: differences_max
       !> The exponent; unknown where there are too few windows or nothing varies
       integer, intent(out) :: alpha
-      !> Not 0 where there is no memory
       integer, intent(out) :: stat
       integer(int32), intent(in), optional :: missing(0:)
 
@@ -121,7 +118,6 @@ contains
       integer(int64), intent(in) :: m
       real(dp), intent(in) :: coverage
       real(dp), intent(out) :: mean(:)
-      !> Whether the window is complete enough
       logical, intent(out) :: use_it(:)
       integer(int32), intent(in), optional :: missing(0:)
 
@@ -141,7 +137,6 @@ contains
    !> Removes the least-squares straight line.
    pure subroutine remove_line(y, use_it)
       real(dp), intent(inout) :: y(:)
-      !> Which of them count
       logical, intent(in) :: use_it(:)
 
       real(dp) :: count_y, mean_y, mean_t, slope_top, slope_bottom, t
@@ -169,13 +164,10 @@ contains
    !> Lag-1 autocorrelation over neighboring pairs.
    pure subroutine lag_one(y, use_it, least, r, varies)
       real(dp), intent(in) :: y(:)
-      !> Which of them count
       logical, intent(in) :: use_it(:)
-      !> How many must
       integer(int64), intent(in) :: least
       !> The autocorrelation, > -1 and < 1
       real(dp), intent(out) :: r
-      !> False where there is nothing to correlate
       logical, intent(out) :: varies
 
       real(dp) :: mean, products, squares

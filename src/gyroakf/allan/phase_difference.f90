@@ -10,7 +10,7 @@
 module gyroakf_allan_phase_difference
    use gyroakf_threads, only : thread_count
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_allan_window_difference, only : squared_differences
    implicit none (type, external)
@@ -53,8 +53,7 @@ contains
       n = ubound(phase, 1, kind=int64)
       parts = max(1_int64, min(parts_max, n/(8*block_length)))
       allocate (part(min(batch, size(m)), parts), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the sums of a deviation")
+      call check_memory(stat, "the sums of a deviation", error)
       if (allocated(error)) return
       group = parts
       if (present(progress)) group = 2*thread_count()
@@ -190,10 +189,7 @@ contains
 
    !> First term of a part; of the one after the last: n.
    pure integer(int64) function part_begin(s, parts, n)
-      !> Its number, from 1
-      integer(int64), intent(in) :: s
-      !> How many there are
-      integer(int64), intent(in) :: parts, n
+      integer(int64), intent(in) :: s, parts, n
 
       integer(int64) :: blocks
 

@@ -21,7 +21,7 @@ module gyroakf_allan_reflection
    use gyroakf_allan_window_difference, only : add_sums, gap_sums_type
    implicit none (type, external)
    private
-   public :: add_reflected_differences, add_gapped_reflections, complete_weight
+   public :: add_reflections, complete_weight
 
    !> Terms of a partial sum, and how many of these run in a batch
    integer(int64), parameter :: block_length = 16384, batch = 256
@@ -30,47 +30,59 @@ module gyroakf_allan_reflection
 
 contains
 
-   !> Adds to the sums of squared second differences those whose centre is less than m from an end.
-   subroutine add_reflected_differences(phase, m, sums, error, progress)
-      !> Phase: [0:n]
+   !> Adds to the sums of squared second differences those whose centre is less than m from an end;
+   !> where samples are missing, differences of the means of the present samples of two windows.
+   subroutine add_reflections(phase, m, sums, error, missing, coverage, progress)
+      !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Averaging factors, 1 <= m <= n/2: [any number]
       integer(int64), intent(in) :: m(:)
-      !> The sums to add to: [size(m)]
-      real(dp), intent(inout) :: sums(:)
+      !> The sums to add to: [size(m)]; with `missing` the inflation is what unit white noise adds
+      !> to the square of a term, else only the squares are added to
+      type(gap_sums_type), intent(inout) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
+      !> Missing samples so far: [0:n]; none are missing if absent
+      integer(int32), intent(in), contiguous, optional :: missing(0:)
+      !> Share of a window that must be present, > 0, <= 1, with `missing`: [size(m)]
+      real(dp), intent(in), optional :: coverage(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      real(dp) :: part(batch)
-      integer(int64) :: blocks, b, first, last
+      type(gap_sums_type) :: part(batch)
+      integer(int64) :: blocks, b, first, from, to
       integer :: i
 
       do i = 1, size(m)
+         sums(i)%weight = real(sums(i)%terms, dp)
          blocks = (m(i) + block_length - 2)/block_length
          do first = 1, blocks, batch
             call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, &
                & sum(m), error, progress)
             if (allocated(error)) return
-            last = min(first + batch - 1, blocks)
-            !$omp parallel do schedule(static) if (m(i) >= parallel_from)
-            do b = first, last
-               part(b - first + 1) = edge_squares(phase, m(i), (b - 1)*block_length + 1, &
-                  & min(b*block_length, m(i) - 1))
+            !$omp parallel do schedule(static) private(from, to) if (m(i) >= parallel_from)
+            do b = first, min(first + batch - 1, blocks)
+               from = (b - 1)*block_length + 1
+               to = min(b*block_length, m(i) - 1)
+               if (present(missing)) then
+                  call gapped_edges(phase, missing, m(i), coverage(i), from, to, &
+                     & part(b - first + 1))
+               else
+                  part(b - first + 1)%squares = edge_squares(phase, m(i), from, to)
+               end if
             end do
             !$omp end parallel do
-            sums(i) = sums(i) + sum(part(:last - first + 1))
+            do b = 1, min(batch, blocks - first + 1)
+               call add_sums(part(b), sums(i))
+            end do
          end do
       end do
-   end subroutine add_reflected_differences
+   end subroutine add_reflections
 
    !> Both ends: centres j and n - j.
    pure real(dp) function edge_squares(phase, m, first, last)
       real(dp), intent(in), contiguous :: phase(0:)
-      integer(int64), intent(in) :: m
-      !> First and last j, within 1 .. m - 1
-      integer(int64), intent(in) :: first, last
+      integer(int64), intent(in) :: m, first, last
 
       integer(int64) :: n, j
       real(dp) :: s1, s2, begin, finish
@@ -88,52 +100,6 @@ contains
       end do
       edge_squares = s1 + s2
    end function edge_squares
-
-   !> The same for a record with missing samples: differences of the means of the present samples of
-   !> two windows.
-   subroutine add_gapped_reflections(phase, missing, m, coverage, sums, error, progress)
-      !> Phase, to which missing samples added nothing: [0:n]
-      real(dp), intent(in), contiguous :: phase(0:)
-      !> Missing samples so far: [0:n]
-      integer(int32), intent(in), contiguous :: missing(0:)
-      !> Averaging factors, 1 <= m <= n/2: [any number]
-      integer(int64), intent(in) :: m(:)
-      !> Share of a window that must be present, > 0, <= 1: [size(m)]
-      real(dp), intent(in) :: coverage(:)
-      !> The sums to add to: [size(m)]; the inflation is what unit white noise adds to the square of
-      !> a term
-      type(gap_sums_type), intent(inout) :: sums(:)
-      !> cancelled
-      type(error_type), allocatable, intent(out) :: error
-      !> Progress callback; may cancel
-      class(progress_type), intent(inout), optional :: progress
-
-      type(gap_sums_type) :: part(batch), sum_of_batch
-      integer(int64) :: blocks, b, first, last
-      integer :: i
-
-      do i = 1, size(m)
-         sums(i)%weight = real(sums(i)%terms, dp)
-         blocks = (m(i) + block_length - 2)/block_length
-         do first = 1, blocks, batch
-            call report_progress("ends of the record", sum(m(:i - 1)) + (first - 1)*block_length, &
-               & sum(m), error, progress)
-            if (allocated(error)) return
-            last = min(first + batch - 1, blocks)
-            !$omp parallel do schedule(static) if (m(i) >= parallel_from)
-            do b = first, last
-               call gapped_edges(phase, missing, m(i), coverage(i), (b - 1)*block_length + 1, &
-                  & min(b*block_length, m(i) - 1), part(b - first + 1))
-            end do
-            !$omp end parallel do
-            sum_of_batch = gap_sums_type()
-            do b = 1, last - first + 1
-               call add_sums(part(b), sum_of_batch)
-            end do
-            call add_sums(sum_of_batch, sums(i))
-         end do
-      end do
-   end subroutine add_gapped_reflections
 
    !> The weight of a complete record of n samples: n, less 1/m where m is odd.
    pure real(dp) function complete_weight(n, m)

@@ -14,7 +14,7 @@
 !> from two blocks to the record.
 module gyroakf_allan_trend_test
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_allan_fit_covariance, only : lag_covariances
    implicit none (type, external)
    private
@@ -112,7 +112,7 @@ contains
 
       allocate (series(0:scale_count + 1, differences), stat=stat)
       if (stat == 0) allocate (cost(0:scale_count + 1, mixture_count), stat=stat)
-      if (stat /= 0) call refuse(error)
+      call check_memory(stat, "the search for a trend", error)
       if (allocated(error)) return
       series(0, :) = steps_of(mean)
       if (maxval(abs(series(0, :))) <= 0.0_dp) return
@@ -128,7 +128,7 @@ contains
          call find_costs(mixture_covariance(term, k), series, cost(:, k), failed(k))
       end do
       !$omp end parallel do
-      if (any(failed /= 0)) call refuse(error)
+      call check_memory(maxval(abs(failed)), "the search for a trend", error)
       if (allocated(error)) return
       gain = minval(cost(0, :)) - minval(cost(1:, :), dim=2)
       shape = 1 + maxloc(gain(2:), dim=1)
@@ -147,17 +147,9 @@ contains
       scale_of = 2*(block_count/2.0_dp)**(real(k - 1, dp)/(scale_count - 1))
    end function scale_of
 
-   !> There is no memory.
-   subroutine refuse(error)
-      type(error_type), allocatable, intent(out) :: error
-
-      call fatal_error(error, status%no_memory, "no memory for the search for a trend")
-   end subroutine refuse
-
    !> Autocovariances of a mixture: of all three terms, of B and K, and of K alone.
    pure function mixture_covariance(term, mixture) result(covariance)
       real(dp), intent(in) :: term(0:, :)
-      !> 1 .. `mixture_count`
       integer, intent(in) :: mixture
       real(dp) :: covariance(0:differences - 1), weight(0:weight_count - 1)
       integer :: i
@@ -178,7 +170,6 @@ contains
       !> Autocovariances from lag 0 on; the series: [series, time]
       real(dp), intent(in) :: covariance(0:), series(0:, :)
       real(dp), intent(out) :: cost(0:)
-      !> Not 0 where there is no memory
       integer, intent(out) :: stat
       real(dp), allocatable :: white(:, :)
       real(dp) :: log_determinant, squares
@@ -239,14 +230,14 @@ contains
          log_time = log(scale_of(scale)*real(samples/block_count, dp)) + &
             & fine_range*[(2.0_dp*(i - 1)/(fine_count - 1) - 1, i=1, fine_count)]
          allocate (series(0:fine_count, differences), stat=stat)
-         if (stat /= 0) call refuse(error)
+         call check_memory(stat, "the search for a trend", error)
          if (allocated(error)) return
          series(0, :) = steps_of(mean)
          do i = 1, fine_count
             series(i, :) = steps_of(unit_means(trend%shape, exp(log_time(i)), samples))
          end do
          call find_costs(covariance, series, cost, stat)
-         if (stat /= 0) call refuse(error)
+         call check_memory(stat, "the search for a trend", error)
          if (allocated(error)) return
          best = min(max(minloc(cost(1:), dim=1), 2), fine_count - 1)
          bend = cost(best - 1) - 2*cost(best) + cost(best + 1)

@@ -7,7 +7,7 @@
 !> depend on the number of threads.
 module gyroakf_allan_window_difference
    use gyroakf_kinds, only : dp, int32, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
@@ -71,8 +71,7 @@ contains
       if (present(progress)) group = min(batch, int(2*thread_count(), int64))
       group = max(1_int64, min(group, (n + stretch_length - 1)/stretch_length))
       allocate (part(min(size(m), factors), group), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the partial sums of the Allan variances")
+      call check_memory(stat, "the partial sums of the Allan variances", error)
       if (allocated(error)) return
       do from = 0, n - 1, group*stretch_length
          call report_progress("Allan deviation", from, n, error, progress)
@@ -91,8 +90,7 @@ contains
                      call add_windows(phase, m(i), order, stride, first, last, &
                         & part(i - low + 1, s), missing, coverage(i))
                   else
-                     call add_windows(phase, m(i), order, stride, first, last, &
-                        & part(i - low + 1, s))
+                     call add_windows(phase, m(i), order, stride, first, last, part(i - low + 1, s))
                   end if
                end do
             end do

@@ -22,7 +22,6 @@ module gyroakf_ar_ar_types
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_roots, only : ar_root_type
-   use gyroakf_stats_correlation, only : correlation_type
    use gyroakf_stats_normality, only : jarque_bera_type
    use gyroakf_stats_whiteness, only : ljung_box_type
    implicit none (type, external)
@@ -72,8 +71,6 @@ module gyroakf_ar_ar_types
       !> Whiteness of the residuals: 20 lags, or order + 20 from order 20 on, fewer where the series
       !> is short; its lags are 0 where it could not be made
       type(ljung_box_type) :: residual_ljung_box
-      !> Their autocorrelation at these lags; its lags are 0 where there is none
-      type(correlation_type) :: residual_correlation
       !> The criterion chose the largest order on offer: look at larger ones
       logical :: largest_order_chosen = .false.
       !> Intercept c, u: m (1 - sum phi), with ols the fitted one; its standard error, ols only

@@ -125,7 +125,6 @@ contains
       real(dp), intent(in) :: total(3)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: k, power
-      integer :: j
       character(160) :: text
 
       power = total(2)
@@ -138,11 +137,10 @@ contains
       k = 0.0_dp
       if (power > 0.0_dp) k = 2.0_dp*total(1)/power
       burg%reflection(m) = k
-      burg%r(m) = k*burg%variance(m - 1)
-      do j = 1, m - 1
-         burg%r(m) = burg%r(m) + burg%phi(j, m - 1)*burg%r(m - j)
-         burg%phi(j, m) = burg%phi(j, m - 1) - k*burg%phi(m - j, m - 1)
-      end do
+      associate (phi => burg%phi(:, max(m - 1, 1)))
+         burg%r(m) = k*burg%variance(m - 1) + dot_product(phi(:m - 1), burg%r(m - 1:1:-1))
+         burg%phi(:m - 1, m) = phi(:m - 1) - k*phi(m - 1:1:-1)
+      end associate
       burg%phi(m, m) = k
       burg%variance(m) = burg%variance(m - 1)*((1.0_dp - k)*(1.0_dp + k))
       burg%residual_variance(m) = power*((1.0_dp - k)*(1.0_dp + k))/(2.0_dp*total(3))

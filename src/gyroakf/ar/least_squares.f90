@@ -9,7 +9,7 @@
 module gyroakf_ar_least_squares
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri, dpotrs
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
@@ -89,8 +89,7 @@ contains
       p = gram%lags
       allocate (a(p + 1, p + 1), stat=stat)
       if (stat == 0) allocate (scale(p + 1), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the normal equations of an AR model")
+      call check_memory(stat, "the normal equations of an AR model", error)
       if (allocated(error)) return
       a = 0.0_dp
       do j = 1, p + 1

@@ -3,7 +3,7 @@
 module gyroakf_ar_levinson
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    implicit none (type, external)
    private
    public :: solve_levinson
@@ -28,13 +28,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: reflection
       character(160) :: text
-      integer :: p, m, j, stat
+      integer :: p, m, before, stat
 
       p = ubound(r, 1)
       allocate (variance(0:p), stat=stat)
       if (stat == 0) allocate (phi(p, p), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the AR coefficients of every order")
+      call check_memory(stat, "the AR coefficients of every order", error)
       if (allocated(error)) return
       phi = 0.0_dp
       variance = 0.0_dp
@@ -48,14 +47,9 @@ contains
       end if
       variance(0) = r(0)
       do m = 1, p
-         reflection = r(m)
-         do j = 1, m - 1
-            reflection = reflection - phi(j, m - 1)*r(m - j)
-         end do
-         reflection = reflection/variance(m - 1)
-         do j = 1, m - 1
-            phi(j, m) = phi(j, m - 1) - reflection*phi(m - j, m - 1)
-         end do
+         before = max(m - 1, 1)
+         reflection = (r(m) - dot_product(phi(:m - 1, before), r(m - 1:1:-1)))/variance(m - 1)
+         phi(:m - 1, m) = phi(:m - 1, before) - reflection*phi(m - 1:1:-1, before)
          phi(m, m) = reflection
          variance(m) = variance(m - 1)*((1.0_dp - reflection)*(1.0_dp + reflection))
          if (variance(m) <= epsilon(r)*r(0)) then

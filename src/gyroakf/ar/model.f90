@@ -3,7 +3,7 @@
 module gyroakf_ar_model
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_lapack, only : dpotrf, dpotri
    use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, find_level
    use gyroakf_stats_lagged_gram, only : gram_type, build_gram
@@ -15,7 +15,6 @@ module gyroakf_ar_model
    use gyroakf_ar_roots, only : find_ar_roots, largest_modulus
    use gyroakf_ar_ar_types, only : ar_options, ar_model_type, ar_order_type, check_options, &
       & check_length, order_criteria, criterion_number, best_order
-   use gyroakf_stats_correlation, only : correlation_of
    use gyroakf_stats_moments, only : moments_type
    use gyroakf_stats_normality, only : test_jarque_bera
    use gyroakf_stats_whiteness, only : ljung_box_of
@@ -211,7 +210,6 @@ contains
    !> The table of the orders, and the one that is taken.
    subroutine choose_order(variance, n, options, model)
       real(dp), intent(in) :: variance(0:)
-      !> Samples that the criteria count
       integer(int64), intent(in) :: n
       type(ar_options), intent(in) :: options
       type(ar_model_type), intent(inout) :: model
@@ -239,7 +237,7 @@ contains
       p = model%order
       allocate (model%std_error(p))
       allocate (a(p, p), stat=info)
-      if (info /= 0) call fatal_error(error, status%no_memory, "no memory for the standard errors")
+      call check_memory(info, "the standard errors", error)
       if (allocated(error)) return
       do j = 1, p
          a(:j, j) = r(j - 1:0:-1)/r(0)
@@ -279,10 +277,8 @@ contains
          return
       end if
       call test_jarque_bera(moments, model%residual_normality, untested)
-      if (lags <= model%order) return
-      call ljung_box_of(r, n, model%order, model%residual_ljung_box, untested, pairs)
-      if (.not. allocated(untested)) call correlation_of(r, n, model%order, &
-         & model%residual_correlation, untested, pairs)
+      if (lags > model%order) call ljung_box_of(r, n, model%order, model%residual_ljung_box, &
+         & untested, pairs)
    end subroutine test_residuals
 
    !> Two-sided power spectral density of a model at a frequency.

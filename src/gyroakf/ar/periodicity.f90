@@ -6,7 +6,7 @@
 !> of the variance is the exception: the AR model would predict it and so remove it.
 module gyroakf_ar_periodicity
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
@@ -70,47 +70,29 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(ar_model_type) :: fitted
+      real(dp) :: none(0)
 
-      call test_series(x, options%longest, result, error, valid, progress)
+      call test_residuals(x, 0.0_dp, none, options%longest, result, error, valid, progress)
       if (allocated(error)) return
       if (result%fisher%peak >= dominant_share .and. result%fisher%ordinate >= min_periods) return
       if (present(model)) then
-         call test_residuals(x, model, options%longest, result, error, valid, progress)
+         call test_residuals(x, model%mean, model%coefficient, options%longest, result, error, &
+            & valid, progress)
          return
       end if
       call fit_ar(x, options%ar, fitted, error, valid, progress=progress)
       if (.not. allocated(error)) then
-         call test_residuals(x, fitted, options%longest, result, error, valid, progress)
+         call test_residuals(x, fitted%mean, fitted%coefficient, options%longest, result, error, &
+            & valid, progress)
       else if (error%code == status%singular) then
          deallocate (error)                       ! gaps can cause it: the test of the series stands
       end if
    end subroutine analyse_periodicity
 
-   !> Fisher's test of the series itself.
-   subroutine test_series(x, longest, result, error, valid, progress)
+   !> Fisher's test of the residuals of an AR model; without coefficients, of the series itself.
+   subroutine test_residuals(x, mean, phi, longest, result, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
-      integer(int64), intent(in) :: longest
-      type(periodicity_type), intent(inout) :: result
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      integer(int64) :: first, last
-
-      call cut_middle(size(x, kind=int64), 0, longest, result, error)
-      if (allocated(error)) return
-      first = result%first
-      last = first + result%samples - 1
-      if (present(valid)) then
-         call test_fisher_g(x(first:last), result%fisher, error, valid(first:last), progress)
-      else
-         call test_fisher_g(x(first:last), result%fisher, error, progress=progress)
-      end if
-   end subroutine test_series
-
-   !> Fisher's test of the residuals of an AR model.
-   subroutine test_residuals(x, model, longest, result, error, valid, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      type(ar_model_type), intent(in) :: model
+      real(dp), intent(in) :: mean, phi(:)
       integer(int64), intent(in) :: longest
       type(periodicity_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error
@@ -120,16 +102,15 @@ contains
       integer(int8), allocatable :: here(:)
       integer(int64) :: first, last
 
-      call cut_middle(size(x, kind=int64), model%order, longest, result, error)
+      call cut_middle(size(x, kind=int64), size(phi), longest, result, error)
       if (allocated(error)) return
       first = result%first - result%order
       last = result%first + result%samples - 1
       if (present(valid)) then
-         call whiten_series(x(first:last), model%mean, model%coefficient, white, here, error, &
-            & valid(first:last), progress)
+         call whiten_series(x(first:last), mean, phi, white, here, error, valid(first:last), &
+            & progress)
       else
-         call whiten_series(x(first:last), model%mean, model%coefficient, white, here, error, &
-            & progress=progress)
+         call whiten_series(x(first:last), mean, phi, white, here, error, progress=progress)
       end if
       if (.not. allocated(error)) call test_fisher_g(white, result%fisher, error, here, progress)
    end subroutine test_residuals
@@ -205,7 +186,7 @@ contains
       allocate (white(count_white), stat=stat)
       if (stat == 0) allocate (flag(reported), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (here(count_white), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the residuals")
+      call check_memory(stat, "the residuals", error)
       if (allocated(error)) return
       call set_level(level, mean, 0.0_dp)
       do first = 1, count_white, reported
@@ -213,7 +194,7 @@ contains
          last = min(first + reported - 1, count_white)
          if (.not. allocated(error)) call residual_block(x, level, phi, 0.0_dp, first + p, &
             & white(first:last), flag(:last - first + 1), stat, valid)
-         if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the residuals")
+         call check_memory(stat, "the residuals", error)
          if (allocated(error)) return
          if (present(valid)) here(first:last) = nint(flag(:last - first + 1), int8)
       end do

@@ -2,18 +2,18 @@
 !> Residuals of an AR model in one pass, not stored: their autocovariances and moments.
 module gyroakf_ar_residuals
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_stats_moments, only : moments_type, compute_moments, join_moments
-   use gyroakf_stats_lagged_products, only : add_lagged_products, residual_block
+   use gyroakf_stats_lagged_products, only : add_pair_sums, covariances_of_pairs, residual_block
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
    public :: analyse_residuals
 
-   !> Sums over pairs: products, number, later members, earlier members: [4 (max_lag + 1)]
+   !> Sums over pairs, of `add_pair_sums`: [4 (max_lag + 1)]
    type, extends(chunk_sums_type) :: pair_sums_type
       !> Mean of the series
       type(trend_type) :: level
@@ -56,8 +56,7 @@ contains
       class(progress_type), intent(inout), optional :: progress
       type(pair_sums_type) :: sums
       real(dp), allocatable :: total(:), s(:, :)
-      real(dp) :: used
-      integer :: chunk, k, stat
+      integer :: chunk, stat
 
       if (max_lag < 0) then
          call fatal_error(error, status%invalid_argument, "the largest lag must not be negative")
@@ -72,8 +71,7 @@ contains
       if (stat == 0) allocate (s(0:max_lag, 4), stat=stat)
       if (stat == 0) allocate (total(4*(max_lag + 1)), stat=stat)
       if (stat == 0) allocate (sums%part(chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the sums of the residuals")
+      call check_memory(stat, "the sums of the residuals", error)
       if (allocated(error)) return
       call set_level(sums%level, mean, 0.0_dp)
       sums%phi = phi
@@ -85,14 +83,7 @@ contains
       do chunk = 1, size(sums%part)
          call join_moments(moments, sums%part(chunk))
       end do
-      used = real(size(x, kind=int64) - size(phi), dp)
-      pairs = nint(s(:, 2), int64)
-      r = 0.0_dp
-      do k = 0, max_lag
-         if (pairs(k) < 1) cycle
-         r(k) = s(k, 1) - moments%mean*(s(k, 3) + s(k, 4)) + s(k, 2)*moments%mean**2
-         r(k) = r(k)*((used - real(k, dp))/s(k, 2))/used
-      end do
+      call covariances_of_pairs(s, moments%mean, size(x, kind=int64) - size(phi), r, pairs)
       if (moments%count < 1) call fatal_error(error, status%too_few_samples, &
          & "the gaps leave no residual of the AR model")
    end subroutine analyse_residuals
@@ -119,7 +110,7 @@ contains
          if (stat == 0) call residual_block(x, self%level, self%phi, self%constant, begin - lags, &
             & e(:m), flag(:m), stat, valid)
          if (stat /= 0) return
-         call add_block(e(:m), flag(:m), m, lags, total)
+         call add_pair_sums(e(:m), flag(:m), m, lags, total)
          if (minval(flag(1:m)) > 0.5_dp) then
             call compute_moments(e(1:m), moments)
          else
@@ -128,29 +119,5 @@ contains
          call join_moments(self%part(chunk), moments)
       end do
    end subroutine add_pairs
-
-   !> Adds the sums over the pairs of a block.
-   pure subroutine add_block(e, flag, m, max_lag, s)
-      integer, intent(in) :: m, max_lag
-      real(dp), intent(in), contiguous :: e(1 - max_lag:), flag(1 - max_lag:)
-      real(dp), intent(inout) :: s(0:max_lag, 4)
-      real(dp) :: earlier
-      integer :: k
-
-      call add_lagged_products(e(1:), e, m, max_lag, s(:, 1))
-      if (sum(flag) > real(m + max_lag, dp) - 0.5_dp) then
-         earlier = sum(e(1:m))
-         s(:, 2) = s(:, 2) + real(m, dp)
-         s(:, 3) = s(:, 3) + earlier
-         do k = 0, max_lag
-            if (k > 0) earlier = earlier + (e(1 - k) - e(m - k + 1))
-            s(k, 4) = s(k, 4) + earlier
-         end do
-      else
-         call add_lagged_products(flag(1:), flag, m, max_lag, s(:, 2))
-         call add_lagged_products(e(1:), flag, m, max_lag, s(:, 3))
-         call add_lagged_products(flag(1:), e, m, max_lag, s(:, 4))
-      end if
-   end subroutine add_block
 
 end module gyroakf_ar_residuals

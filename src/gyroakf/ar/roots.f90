@@ -3,7 +3,7 @@
 module gyroakf_ar_roots
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_lapack, only : dgebal, dhseqr
    implicit none (type, external)
    private
@@ -51,8 +51,7 @@ contains
       if (allocated(error)) return
       allocate (h(p, p), stat=stat)
       if (stat == 0) allocate (root(p), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the roots of the AR model")
+      call check_memory(stat, "the roots of the AR model", error)
       if (allocated(error)) return
       if (p == 0) return
       allocate (scale(p), re(p), im(p), work(11*p))

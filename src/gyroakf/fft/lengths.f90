@@ -20,15 +20,13 @@ contains
       integer(int64), intent(in) :: n
       integer(int64) :: p5, p35
 
-      smooth_length = 1
-      do while (smooth_length < n)
-         smooth_length = 2*smooth_length
-      end do
+      smooth_length = huge(n)
       p5 = 1
       do while (p5 < smooth_length)
          p35 = p5
          do while (p35 < smooth_length)
-            smooth_length = min(smooth_length, doubled_to(p35, n))
+            ! times the power of two that reaches n
+            smooth_length = min(smooth_length, shiftl(p35, bit_size(n) - leadz((n - 1)/p35)))
             p35 = 3*p35
          end do
          p5 = 5*p5
@@ -64,16 +62,6 @@ contains
       case default; unit_root = cmplx(c, -s, dp)
       end select
    end function unit_root
-
-   !> p times the power of two that reaches n
-   pure integer(int64) function doubled_to(p, n)
-      integer(int64), intent(in) :: p, n
-
-      doubled_to = p
-      do while (doubled_to < n)
-         doubled_to = 2*doubled_to
-      end do
-   end function doubled_to
 
    !> The radices of a length, fours first; not allocated when a prime factor is too large.
    pure subroutine factorise(length, radix)

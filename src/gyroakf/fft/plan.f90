@@ -145,8 +145,7 @@ contains
    !> The mixed-radix transform, in place with a work array.
    subroutine transform(plan, x, work, error, progress)
       type(fft_plan_type), intent(in) :: plan
-      complex(dp), intent(inout), contiguous :: x(0:)
-      complex(dp), intent(inout), contiguous :: work(0:)
+      complex(dp), intent(inout), contiguous :: x(0:), work(0:)
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       integer :: i
@@ -218,8 +217,7 @@ contains
    !> Bluestein: X_k = chirp_k sum_j (x_j chirp_j) conjg(chirp_{k-j}), a cyclic convolution.
    subroutine transform_chirp(plan, x, work, stat, error, progress)
       type(fft_plan_type), intent(in) :: plan
-      complex(dp), intent(inout), contiguous :: x(0:)
-      complex(dp), intent(inout), contiguous :: work(0:)
+      complex(dp), intent(inout), contiguous :: x(0:), work(0:)
       integer, intent(out) :: stat
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress

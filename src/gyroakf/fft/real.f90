@@ -159,7 +159,6 @@ contains
    subroutine unpack_spectrum(plan, z, error, progress)
       type(real_fft_plan_type), intent(in) :: plan
       complex(dp), intent(inout), contiguous :: z(0:)
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: k, half

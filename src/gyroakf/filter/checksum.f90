@@ -14,8 +14,7 @@ contains
       !> The words
       integer(int64), intent(in) :: word(:)
       integer(int64), parameter :: low = 4294967295_int64
-      integer(int64) :: half(2), state(2)
-      integer(int64) :: k
+      integer(int64) :: half(2), state(2), k
       integer :: i
 
       state = [2166136261_int64, 2246822519_int64]

@@ -11,14 +11,13 @@
 !> Source: Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 4.3, 5.2;
 !> Bucy & Joseph (1968).
 module gyroakf_filter_components
-   use gyroakf_kinds, only : dp
+   use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
-   use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
    public :: component_model_type, component_state_type, most_components
    public :: check_components, start_components, predict_components, correct_components
-   public :: settle_distance, vanished
+   public :: settle_distance, vanished, is_sample, exponent_mask, exponent_limit
 
    !> Processes that a model may have
    integer, parameter :: most_components = 3
@@ -53,8 +52,22 @@ module gyroakf_filter_components
    real(dp), parameter :: settle_rounding = 4.0_dp*epsilon(1.0_dp), settle_limit = 1.0e-9_dp
    !> Below it a state without measurements is set to zero: no subnormal numbers in a long gap
    real(dp), parameter :: vanished = 1.0e-290_dp
+   !> The bits of the exponent of a number, shifted to the right, and the exponent from which on a
+   !> square may overflow
+   integer(int64), parameter :: exponent_mask = 2047_int64, exponent_limit = 1023_int64 + 495_int64
 
 contains
+
+   !> Whether a value is a measurement: finite and below 1e149 in magnitude, so that its square is
+   !> finite too.
+   !>
+   !> By the exponent's bits: a NaN meets no comparison, so nothing traps.
+   elemental logical function is_sample(z)
+      !> The value
+      real(dp), intent(in) :: z
+
+      is_sample = iand(shiftr(transfer(z, 0_int64), 52), exponent_mask) < exponent_limit
+   end function is_sample
 
    !> Refuses a model that is none.
    subroutine check_components(model, error)

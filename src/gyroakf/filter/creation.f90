@@ -2,13 +2,13 @@
 !> A filter is made: its arguments tested, its state and the limits of its adaptation set.
 module gyroakf_filter_creation
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_filter_filter_types, only : filter_options, filter_type
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance, &
       stationary_covariance, shifted
    use gyroakf_filter_steady_gain, only : long_order, settle_column, steady_state
    use gyroakf_filter_sage_husa, only : consistency_factor
-   use gyroakf_filter_measurement, only : is_sample
+   use gyroakf_filter_components, only : is_sample
    implicit none (type, external)
    private
    public :: new_filter, check_options, set_adaptation, shorten_burn_in, shortest_burn_in, &
@@ -56,10 +56,8 @@ contains
       n = max(1, size(phi))
       allocate (filter%p(n, n), stat=stat)
       if (stat == 0) allocate (prior(n, n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the state of the filter")
-         return
-      end if
+      call check_memory(stat, "the state of the filter", error)
+      if (allocated(error)) return
       allocate (filter%phi(n), filter%x(n), filter%gain(n), filter%gain_sum(n), &
          filter%steady_gain(n), filter%work(n))
       filter%order = n
@@ -95,10 +93,8 @@ contains
       real(dp), intent(in) :: phi(:), q, r
       type(filter_options), intent(in) :: options
       type(error_type), allocatable, intent(out) :: error
-      logical :: good
 
-      good = all(is_sample(phi)) .and. is_sample(q) .and. is_sample(r)
-      if (.not. good) then
+      if (.not. (all(is_sample(phi)) .and. is_sample(q) .and. is_sample(r))) then
          call fatal_error(error, status%non_finite, &
             "a filter's coefficients and variances must be finite numbers")
       else if (size(phi) > largest_order) then
@@ -126,8 +122,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. (is_sample(options%r_scale) .and. is_sample(options%initial_variance) &
-         .and. is_sample(options%forgetting) &
-                 .and. is_sample(options%huber))) then
+         .and. is_sample(options%forgetting) .and. is_sample(options%huber))) then
          call fatal_error(error, status%non_finite, &
             "the options of a filter must be finite numbers")
       else if (.not. (options%forgetting > 0.0_dp .and. options%forgetting <= 1.0_dp)) then
@@ -205,11 +200,8 @@ contains
    !> Measurements until the gain is the steady one, with the R that the scale of its
    !> bounds suggests: a wrong R at the start must not prolong the time that it is kept.
    subroutine find_burn_in(filter, p, error)
-      !> Its `wait` is set
       type(filter_type), intent(inout) :: filter
-      !> Work space, [order, order]
       real(dp), intent(inout), contiguous :: p(:, :)
-      !> As steady_state
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: gain(filter%order), column(filter%order), r, s, steady
       logical :: quick

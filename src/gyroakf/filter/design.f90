@@ -124,9 +124,8 @@ contains
          if (.not. options%huber > 0.0_dp) adaptive%huber = robust_huber
          call set_estimate(options%estimate, "R", adaptive, error)
       case default
-         call fatal_error(error, status%invalid_argument, &
-                          "unknown form of the adaptive filter: "//trim(options%akf)// &
-                          " (paper, robust)")
+         call fatal_error(error, status%invalid_argument, "unknown form of the adaptive filter: " &
+            //trim(options%akf)//" (paper, robust)")
       end select
       if (allocated(error)) return
       call new_filter(filter, model%coefficient, model%noise_variance, model%variance, adaptive, &
@@ -194,7 +193,6 @@ contains
    !> Whether a series stands behind the model, and one that is stationary.
    subroutine check_model(model, error)
       type(ar_model_type), intent(in) :: model
-      !> invalid_argument, constant_input, unstable
       type(error_type), allocatable, intent(out) :: error
       character(:), allocatable :: largest
       character(24) :: digits
@@ -215,16 +213,14 @@ contains
          write (digits, "(f0.6)") largest_modulus(model%root)
          largest = ", its largest root has the modulus "//trim(digits)
       end if
-      call fatal_error(error, status%unstable, "the AR model ("//trim(model%method)// &
-         ") is not stationary"//largest// &
-                       ": a filter of it would diverge; "// &
-                       "the methods yw and burg give stationary models")
+      call fatal_error(error, status%unstable, "the AR model ("//trim(model%method) &
+         //") is not stationary"//largest//": a filter of it would diverge; " &
+         //"the methods yw and burg give stationary models")
    end subroutine check_model
 
    !> Whether a drift was identified.
    subroutine check_found(drift, error)
       type(drift_identification_type), intent(in) :: drift
-      !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
       if (.not. drift%found) call fatal_error(error, status%invalid_argument, &
@@ -235,11 +231,8 @@ contains
    subroutine set_estimate(letters, usual, options, error)
       !> Letters of q, r, Q, R, in any order; "none"; blank
       character(*), intent(in) :: letters
-      !> What a blank stands for
       character(*), intent(in) :: usual
-      !> Its flags are set
       type(filter_options), intent(inout) :: options
-      !> `invalid_argument`: another letter
       type(error_type), allocatable, intent(out) :: error
       character(len(letters) + len(usual)) :: chosen
       integer :: i
@@ -258,8 +251,7 @@ contains
          case (" ")
          case default
             call fatal_error(error, status%invalid_argument, &
-                             "an adaptive filter estimates any of q, r, Q, R, not '"// &
-                             chosen(i:i)//"'")
+               "an adaptive filter estimates any of q, r, Q, R, not '"//chosen(i:i)//"'")
             return
          end select
       end do

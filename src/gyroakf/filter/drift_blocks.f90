@@ -16,7 +16,7 @@
 !> geometric series.
 module gyroakf_filter_drift_blocks
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_filter_components, only : component_model_type
    implicit none (type, external)
    private
@@ -42,35 +42,30 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing, [n]
       integer(int8), intent(in), optional :: valid(:)
-      integer(int64) :: count, i, k, n
+      integer(int64) :: count_present, i, n
       real(dp) :: total
       integer :: stat
 
       n = size(x, kind=int64)/m
       allocate (means(n), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (present_means(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the block means of a series")
-         return
-      end if
+      call check_memory(stat, "the block means of a series", error)
+      if (allocated(error)) return
       do i = 1, n
-         total = 0.0_dp
-         count = m
-         if (present(valid)) then
-            count = 0
-            do k = (i - 1)*m + 1, i*m
-               if (valid(k) == 0_int8) cycle
-               total = total + x(k)
-               count = count + 1
-            end do
-            present_means(i) = merge(1_int8, 0_int8, 2*count >= m)
-         else
-            do k = (i - 1)*m + 1, i*m
-               total = total + x(k)
-            end do
-         end if
+         associate (block => x((i - 1)*m + 1:i*m))
+            count_present = m
+            if (present(valid)) then
+               associate (here => valid((i - 1)*m + 1:i*m) /= 0_int8)
+                  count_present = count(here, kind=int64)
+                  total = sum(block, mask=here)
+               end associate
+               present_means(i) = merge(1_int8, 0_int8, 2*count_present >= m)
+            else
+               total = sum(block)
+            end if
+         end associate
          means(i) = 0.0_dp
-         if (2*count >= m) means(i) = total/real(count, dp)
+         if (2*count_present >= m) means(i) = total/real(count_present, dp)
       end do
       if (.not. allocated(present_means)) return
       if (all(present_means /= 0_int8)) deallocate (present_means)
@@ -132,9 +127,7 @@ contains
    !> The root of what the covariance of the means at a lag is over that of the samples between
    !> the middles of the blocks.
    pure real(dp) function share_of_means(phi, m) result(share)
-      !> 0 < phi < 1
       real(dp), intent(in) :: phi
-      !> Samples a mean
       integer(int64), intent(in) :: m
       real(dp) :: half
 

@@ -16,7 +16,7 @@ module gyroakf_filter_drift_choice
    implicit none (type, external)
    private
    public :: drift_identification_options, drift_identification_type, choose_model, set_model, &
-      state_numbers, evident
+      state_numbers, aic_margin
 
    !> What is asked for
    type :: drift_identification_options
@@ -63,7 +63,7 @@ module gyroakf_filter_drift_choice
    end type drift_identification_type
 
    !> Decrease of AIC from the best model without drift that speaks for one
-   real(dp), parameter :: evident = 8.0_dp
+   real(dp), parameter :: aic_margin = 8.0_dp
 
 contains
 
@@ -80,17 +80,19 @@ contains
       plain = fit%white_aic
       fast = 0
       do k = 1, size(fit%candidate)
-         call is_slow(fit%candidate(k)%model, limit, slow)
-         if (any(slow) .or. .not. fit%candidate(k)%aic < plain) cycle
+         associate (model => fit%candidate(k)%model)
+            if (any(is_slow(model%phi(:model%count), limit))) cycle
+         end associate
+         if (.not. fit%candidate(k)%aic < plain) cycle
          plain = fit%candidate(k)%aic
          fast = k
       end do
       associate (best => fit%candidate(fit%best))
-         call is_slow(best%model, limit, slow)
+         slow = is_slow(best%model%phi(:best%model%count), limit)
          slow = slow .and. best%model%q(:size(slow)) > 0.0_dp
          if (best%errors_known) slow = slow .and. &
                                        best%model%q(:size(slow)) > best%std_error%q(:size(slow))
-         identification%found = any(slow) .and. best%aic < plain - evident
+         identification%found = any(slow) .and. best%aic < plain - aic_margin
       end associate
       identification%chosen = merge(fit%best, fast, identification%found)
       if (identification%chosen == 0) then
@@ -106,8 +108,8 @@ contains
          identification%std_error = chosen%std_error
          identification%errors_known = chosen%errors_known
          identification%log_likelihood = chosen%parameters - 0.5_dp*chosen%aic
-         call is_slow(chosen%model, limit, slow)
-         identification%slow(:size(slow)) = slow
+         identification%slow(:chosen%model%count) = &
+            is_slow(chosen%model%phi(:chosen%model%count), limit)
       end associate
    end subroutine choose_model
 
@@ -117,15 +119,13 @@ contains
       !> Correlation time in samples from which a process is drift
       real(dp), intent(in) :: limit
       type(drift_identification_type), intent(inout) :: identification
-      logical, allocatable :: slow(:)
       logical :: walk, other
 
       identification%model = model
       identification%chosen = 0
-      call is_slow(model, limit, slow)
       identification%slow = .false.
-      identification%slow(:size(slow)) = slow
-      identification%found = any(slow)
+      identification%slow(:model%count) = is_slow(model%phi(:model%count), limit)
+      identification%found = any(identification%slow)
       walk = any(model%phi(:model%count) >= 1.0_dp)
       other = any(model%phi(:model%count) < 1.0_dp)
       identification%name = "white"

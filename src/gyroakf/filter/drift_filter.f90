@@ -17,8 +17,7 @@ module gyroakf_filter_drift_filter
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_filter_components, only : component_model_type, component_state_type, &
-      most_components, check_components, &
-      start_components, predict_components, correct_components
+      most_components, check_components, start_components, predict_components, correct_components
    use gyroakf_filter_creation, only : check_options, set_adaptation, shortest_burn_in, &
       longest_burn_in, burn_in_tolerance
    use gyroakf_filter_drift_steady, only : steady_drift_gain
@@ -55,8 +54,7 @@ contains
       if (.not. allocated(error)) call check_drift_options(model, slow, options, error)
       if (allocated(error)) return
       allocate (filter%phi(1), filter%x(1), filter%p(1, 1), filter%gain(1), filter%gain_sum(1), &
-         filter%steady_gain(1), &
-                filter%work(1))
+         filter%steady_gain(1), filter%work(1))
       filter%order = 1
       ! what is beyond the count is anything
       filter%drift_model%count = model%count
@@ -69,7 +67,9 @@ contains
       filter%q = sum(model%q(:model%count), mask=slow)
       filter%r = model%r
       filter%options = options
-      if (.not. options%r_scale > 0.0_dp) filter%options%r_scale = difference_scale(model)
+      ! half the variance of the differences of a series of the model
+      if (.not. options%r_scale > 0.0_dp) filter%options%r_scale = model%r &
+         + sum(model%q(:model%count)/(1.0_dp + model%phi(:model%count)))
       filter%gain_sum = 0.0_dp
       filter%work = 0.0_dp
       call set_adaptation(filter)
@@ -93,11 +93,9 @@ contains
 
    !> Options and words that a drift filter does not take.
    subroutine check_drift_options(model, slow, options, error)
-      !> As in new_drift_filter
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
       type(filter_options), intent(in) :: options
-      !> invalid_argument
       type(error_type), allocatable, intent(out) :: error
 
       if (size(slow) /= model%count) then
@@ -117,21 +115,10 @@ contains
       end if
    end subroutine check_drift_options
 
-   !> Half the variance of the differences of a series of the model:
-   !> $$ R + \sum_i \frac{q_i}{1 + \phi_i} $$
-   pure real(dp) function difference_scale(model) result(scale)
-      !> Checked
-      type(component_model_type), intent(in) :: model
-
-      scale = model%r + sum(model%q(:model%count)/(1.0_dp + model%phi(:model%count)))
-   end function difference_scale
-
    !> Steady gain, and the burn-in where it is automatic: with the R that the bounds' scale
    !> suggests, for a wrong R at the start must not prolong the time that it is kept.
    subroutine find_steady(filter, error)
-      !> Its steady gain and `wait` are set
       type(filter_type), intent(inout) :: filter
-      !> As steady_drift_gain
       type(error_type), allocatable, intent(out) :: error
       type(component_model_type) :: model
       type(component_state_type) :: state

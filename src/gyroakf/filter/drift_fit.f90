@@ -16,9 +16,10 @@
 module gyroakf_filter_drift_fit
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_quasi_newton, only : minimum_type
+   use gyroakf_stats_moments, only : first_present
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_objective, only : give_errors, likelihood_objective, model_of, &
       parameters_of
@@ -127,11 +128,11 @@ contains
    subroutine take_part(x, objective, scale, fit, error, valid)
       real(dp), intent(in), contiguous :: x(:)
       type(likelihood_objective), intent(inout) :: objective
-      !> Its standard deviation
       real(dp), intent(out) :: scale
       type(drift_fit_type), intent(inout) :: fit
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: offset
       integer(int64) :: n
       integer :: stat
 
@@ -140,18 +141,14 @@ contains
       fit%first = (size(x, kind=int64) - n)/2 + 1
       allocate (objective%z(n), stat=stat)
       if (stat == 0 .and. present(valid)) allocate (objective%here(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            "no memory for the part of a series that a drift is identified from")
-         return
-      end if
+      call check_memory(stat, "the part of a series that a drift is identified from", error)
+      if (allocated(error)) return
       objective%z(:) = x(fit%first:fit%first + n - 1)
       fit%measurements = n
       if (present(valid)) then
          objective%here(:) = valid(fit%first:fit%first + n - 1)
          fit%measurements = count(objective%here /= 0_int8, kind=int64)
          if (fit%measurements == n) deallocate (objective%here)
-         where (valid(fit%first:fit%first + n - 1) == 0_int8) objective%z = 0.0_dp
       end if
       objective%measurements = fit%measurements
       if (fit%measurements < fewest_samples) then
@@ -159,7 +156,12 @@ contains
             "a drift is identified from at least 50 present samples")
          return
       end if
-      call centre(objective, fit%mean, scale)
+      offset = first_present(objective%z, objective%here)
+      if (allocated(objective%here)) where (objective%here == 0_int8) objective%z = offset
+      fit%mean = sum(objective%z - offset)/real(fit%measurements, dp) + offset
+      objective%z = objective%z - fit%mean
+      if (allocated(objective%here)) where (objective%here == 0_int8) objective%z = 0.0_dp
+      scale = sqrt(sum(objective%z**2)/real(fit%measurements, dp))
       fit%variance = scale**2
       if (.not. ieee_is_finite(fit%variance)) then
          call fatal_error(error, status%non_finite, &
@@ -173,40 +175,14 @@ contains
       end if
    end subroutine take_part
 
-   !> Takes the mean of the samples from them.
-   pure subroutine centre(objective, mean, deviation)
-      type(likelihood_objective), intent(inout) :: objective
-      !> The mean, and the standard deviation about it
-      real(dp), intent(out) :: mean, deviation
-      real(dp) :: offset
-      integer(int64) :: k
-
-      if (.not. allocated(objective%here)) then
-         offset = objective%z(1)
-         mean = sum(objective%z - offset)/real(objective%measurements, dp) + offset
-         objective%z = objective%z - mean
-         deviation = sqrt(sum(objective%z**2)/real(objective%measurements, dp))
-         return
-      end if
-      offset = objective%z(findloc(objective%here /= 0_int8, .true., dim=1))
-      mean = sum(objective%z - offset, mask=objective%here /= 0_int8)/real(objective%measurements, &
-         dp) + offset
-      do k = 1, size(objective%z, kind=int64)
-         if (objective%here(k) /= 0_int8) objective%z(k) = objective%z(k) - mean
-      end do
-      deviation = sqrt(sum(objective%z**2)/real(objective%measurements, dp))
-   end subroutine centre
-
    !> Fits one of them from its best starts.
    subroutine fit_candidate(objective, name, scale, known, found, error)
       type(likelihood_objective), intent(inout) :: objective
       character(*), intent(in) :: name
-      !> Standard deviation of the series
       real(dp), intent(in) :: scale
       !> What is known; gets the walk and the AR(1) process
       type(known_type), intent(inout) :: known
       type(drift_candidate_type), intent(out) :: found
-      !> not_converged and the like
       type(error_type), allocatable, intent(out) :: error
       type(minimum_type) :: minimum
       type(component_model_type) :: model
@@ -227,9 +203,8 @@ contains
       found%name = name
       found%converged = minimum%converged
       found%parameters = parameters_of(objective) + merge(0, 1, objective%walk)
-      found%log_likelihood = -minimum%value*real(objective%measurements, dp) - &
-                             real(objective%measurements - merge(1, 0, objective%walk), &
-                             dp)*log(scale)
+      found%log_likelihood = -minimum%value*real(objective%measurements, dp) &
+         - real(objective%measurements - merge(1, 0, objective%walk), dp)*log(scale)
       deviance = 2.0_dp*real(objective%measurements, dp)*(minimum%value + log(scale))
       found%aic = deviance + 2.0_dp*found%parameters
       found%bic = deviance + log(real(objective%measurements, dp))*found%parameters
@@ -240,21 +215,15 @@ contains
       found%model%r = scale**2*model%r
    end subroutine fit_candidate
 
-   !> Which processes of a model are slower than a limit: a random walk is.
-   pure subroutine is_slow(model, limit, slow)
-      !> The model
-      type(component_model_type), intent(in) :: model
+   !> Whether a process is slower than a limit: a random walk is.
+   elemental logical function is_slow(phi, limit)
+      !> Its coefficient
+      real(dp), intent(in) :: phi
       !> Correlation time in samples
       real(dp), intent(in) :: limit
-      !> [count]
-      logical, allocatable, intent(out) :: slow(:)
-      integer :: i
 
-      allocate (slow(model%count))
-      do i = 1, model%count
-         slow(i) = model%phi(i) >= 1.0_dp
-         if (model%phi(i) > 0.0_dp .and. .not. slow(i)) slow(i) = -1.0_dp/log(model%phi(i)) >= limit
-      end do
-   end subroutine is_slow
+      is_slow = phi >= 1.0_dp
+      if (phi > 0.0_dp .and. .not. is_slow) is_slow = -1.0_dp/log(phi) >= limit
+   end function is_slow
 
 end module gyroakf_filter_drift_fit

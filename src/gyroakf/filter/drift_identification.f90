@@ -18,13 +18,12 @@
 module gyroakf_filter_drift_identification
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_blocks, only : block_means, model_of_means, process_of_samples
    use gyroakf_filter_drift_choice, only : choose_model, drift_identification_options, &
-      drift_identification_type, evident, &
-      set_model, state_numbers
+      drift_identification_type, aic_margin, set_model, state_numbers
    use gyroakf_filter_drift_fit, only : drift_fit_type, fit_drift, is_slow
    use gyroakf_filter_likelihood, only : component_likelihood
    use gyroakf_filter_drift_objective, only : progress_share_type
@@ -33,22 +32,11 @@ module gyroakf_filter_drift_identification
    public :: drift_identification_options, drift_identification_type, identify_drift_model
 
    !> Blocks a correlation time that block means resolve
-   real(dp), parameter :: resolved = 2.0_dp
+   real(dp), parameter :: resolved_blocks = 2.0_dp
    !> Share of the time that the part takes where there are block means too
    real(dp), parameter :: part_share = 0.8_dp
    !> Maximum number of block means; their width is a power of `widening`
    integer(int64), parameter :: most_means = 32768, widening = 4
-
-   !> Means of blocks of a whole series
-   type :: block_means_type
-      !> Samples a mean
-      integer(int64) :: width = 0
-      !> [n/width]
-      real(dp), allocatable :: value(:)
-      !> 1 present, 0 where more than half of the samples are missing; not allocated where all are
-      !> present
-      integer(int8), allocatable :: present(:)
-   end type block_means_type
 
 contains
 
@@ -112,81 +100,63 @@ contains
    !> shows.
    subroutine identify_from_means(z, fit, limit, share, identification, error, valid)
       real(dp), intent(in), contiguous :: z(:)
-      !> Of the part
       type(drift_fit_type), intent(in) :: fit
-      !> Correlation time in samples from which a process is drift
       real(dp), intent(in) :: limit
       !> Of the part's progress; that of the means afterwards
       type(progress_share_type), intent(inout) :: share
       !> Of the part; gets the slow processes of the means
       type(drift_identification_type), intent(inout) :: identification
-      !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       type(drift_identification_type) :: slow
       type(drift_fit_type) :: coarse
       type(component_model_type) :: model, expected
       type(error_type), allocatable :: failed
-      type(block_means_type) :: means
+      real(dp), allocatable :: means(:)
+      integer(int8), allocatable :: present_means(:)
+      integer(int64) :: width
       real(dp) :: value
 
-      call take_block_means(z, means, error, valid)
+      width = widening
+      do while (size(z, kind=int64)/width > most_means)
+         width = widening*width
+      end do
+      call block_means(z, width, means, present_means, error, valid)
       if (allocated(error)) return
       share%before = part_share
       share%share = 1.0_dp - part_share
-      call fit_drift(means%value, coarse, failed, means%present, progress=share)
+      call fit_drift(means, coarse, failed, present_means, progress=share)
       if (allocated(failed)) then
-         if (failed%code == status%cancelled .or. failed%code == status%no_memory) then
-            call move_alloc(failed, error)
-         end if
+         if (any(failed%code == [status%cancelled, status%no_memory])) call move_alloc(failed, &
+            error)
          return                                     ! too few means: the part says it all
       end if
-      call choose_model(coarse, resolved, slow)
+      call choose_model(coarse, resolved_blocks, slow)
       if (.not. slow%found) return
-      call model_of_means(identification%model, means%width, expected)
-      call likelihood_of(expected, means%value, coarse, value, failed, means%present)
-      if (.not. allocated(failed) .and. value >= slow%log_likelihood - 0.5_dp*evident) return
-      call take_means(slow, means%width, identification, model)
+      call model_of_means(identification%model, width, expected)
+      call likelihood_of(expected, means, coarse, value, failed, present_means)
+      if (.not. allocated(failed) .and. value >= slow%log_likelihood - 0.5_dp*aic_margin) return
+      call take_means(slow, width, identification, model)
       call set_model(model, limit, identification)
-      identification%block = means%width
+      identification%block = width
       call likelihood_of(model, z, fit, identification%log_likelihood, failed, valid)
    end subroutine identify_from_means
-
-   !> Means of a power of four samples, at most 32,768.
-   subroutine take_block_means(z, means, error, valid)
-      real(dp), intent(in), contiguous :: z(:)
-      type(block_means_type), intent(out) :: means
-      !> no_memory
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: valid(:)
-
-      means%width = widening
-      do while (size(z, kind=int64)/means%width > most_means)
-         means%width = widening*means%width
-      end do
-      call block_means(z, means%width, means%value, means%present, error, valid)
-   end subroutine take_block_means
 
    !> The processes of the part that are faster than two blocks, those of the means that are not,
    !> the white noise of the part.
    subroutine take_means(slow, m, identification, model)
-      !> Of the means
       type(drift_identification_type), intent(in) :: slow
-      !> Samples a mean
       integer(int64), intent(in) :: m
       !> Of the part; its standard errors become those of the new model
       type(drift_identification_type), intent(inout) :: identification
-      !> The new model
       type(component_model_type), intent(out) :: model
       type(component_model_type) :: std_error
-      logical, allocatable :: as_slow(:)
       integer :: i
 
       model%r = identification%model%r
       std_error%r = identification%std_error%r
-      call is_slow(identification%model, resolved*real(m, dp), as_slow)
       do i = 1, identification%model%count
-         if (as_slow(i)) cycle
+         if (is_slow(identification%model%phi(i), resolved_blocks*real(m, dp))) cycle
          model%count = model%count + 1
          model%phi(model%count) = identification%model%phi(i)
          model%q(model%count) = identification%model%q(i)
@@ -212,7 +182,6 @@ contains
    !> Log-likelihood of a model on the samples of a fit, as AIC counts it.
    subroutine likelihood_of(model, z, fit, value, error, valid)
       type(component_model_type), intent(in) :: model
-      !> The whole series
       real(dp), intent(in), contiguous :: z(:)
       !> Which part it used, its mean and variance
       type(drift_fit_type), intent(in) :: fit
@@ -233,11 +202,8 @@ contains
          return
       end if
       allocate (part(fit%samples), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, &
-            "no memory for the part of a series that a drift is identified from")
-         return
-      end if
+      call check_memory(stat, "the part of a series that a drift is identified from", error)
+      if (allocated(error)) return
       part(:) = z(fit%first:fit%first + fit%samples - 1)
       scale = sqrt(fit%variance)
       part(:) = (part - fit%mean)/scale

@@ -41,7 +41,7 @@ module gyroakf_filter_drift_objective
       !> The processes of the model
       logical :: walk = .false., ar = .false.
       !> Parameters of processes that are not there and of variances that are 0
-      logical :: nothing(most_parameters) = .false.
+      logical :: zero(most_parameters) = .false.
       integer(int64) :: measurements = 0
       !> Progress of the fit; its `whole` is valid while the fit is made
       type(progress_share_type) :: progress
@@ -53,7 +53,7 @@ module gyroakf_filter_drift_objective
       procedure :: evaluate => evaluate_likelihood
    end type likelihood_objective
 
-   !> Logarithms of variances beyond it are nothing or everything; artanh(phi) beyond which phi is 1
+   !> Logarithms of variances beyond it stand for 0 or infinity; artanh(phi) beyond which phi is 1
    real(dp), parameter :: widest = 60.0_dp, steepest = 9.0_dp
    !> Step of the differences of the gradient to both sides: what they leave out is a few 1e-5 of
    !> the curvature (the next term of the series, difference^2/6), and the gradient's rounding grows
@@ -87,7 +87,7 @@ contains
    end function starting_point
 
    !> The model of transformed parameters: artanh phi and ln D of the AR(1) process, ln q of the
-   !> random walk, ln r. What is nothing is 0, and the gradient by its parameter too.
+   !> random walk, ln r. The gradient by the parameter of a variance that is held at 0 is 0 too.
    pure subroutine model_of(objective, parameter, model)
       type(likelihood_objective), intent(in) :: objective
       real(dp), intent(in) :: parameter(:)
@@ -97,17 +97,17 @@ contains
       next = 1
       if (objective%ar) then
          model%count = 1
-         if (.not. objective%nothing(1)) model%phi(1) = tanh(parameter(1))
-         if (.not. objective%nothing(2)) model%q(1) = exp(parameter(2))/cosh(parameter(1))**2
+         if (.not. objective%zero(1)) model%phi(1) = tanh(parameter(1))
+         if (.not. objective%zero(2)) model%q(1) = exp(parameter(2))/cosh(parameter(1))**2
          next = 3
       end if
       if (objective%walk) then
          model%count = model%count + 1
          model%phi(model%count) = 1.0_dp
-         if (.not. objective%nothing(next)) model%q(model%count) = exp(parameter(next))
+         if (.not. objective%zero(next)) model%q(model%count) = exp(parameter(next))
          next = next + 1
       end if
-      if (.not. objective%nothing(next)) model%r = exp(parameter(next))
+      if (.not. objective%zero(next)) model%r = exp(parameter(next))
    end subroutine model_of
 
    !> Minus the log-likelihood of a sample on average.
@@ -185,8 +185,8 @@ contains
       if (failed%code == status%cancelled) call move_alloc(failed, objective%cancelled)
    end function value_at
 
-   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood. What
-   !> is nothing is not varied: the others have the errors that they have without it.
+   !> Covariance of the transformed parameters: inverse of the curvature of the log-likelihood. The
+   !> parameters held at 0 are not varied: the others have the errors that they have without them.
    subroutine invert_curvature(objective, parameter, inverse, known)
       type(likelihood_objective), intent(inout) :: objective
       !> Where it is wanted
@@ -202,7 +202,7 @@ contains
       inverse = 0.0_dp
       known = .true.
       do k = 1, n
-         if (objective%nothing(k)) then
+         if (objective%zero(k)) then
             inverse(k, k) = 1.0_dp
             cycle
          end if
@@ -226,7 +226,7 @@ contains
       end do
    end subroutine invert_curvature
 
-   !> Standard errors of phi, q and r; 0 for what is nothing.
+   !> Standard errors of phi, q and r; 0 for what is held at 0.
    pure subroutine give_errors(objective, parameter, inverse, scale, model, std_error)
       type(likelihood_objective), intent(in) :: objective
       real(dp), intent(in) :: parameter(:)
@@ -245,11 +245,9 @@ contains
       next = 1
       if (objective%ar) then
          tangent = -2.0_dp*model%phi(1)
-         if (.not. objective%nothing(1)) std_error%phi(1) = &
-            sqrt(inverse(1, 1))/cosh(parameter(1))**2
-         std_error%q(1) = &
-            scale**2*model%q(1)*sqrt(max(0.0_dp, tangent**2*inverse(1, 1) + inverse(2, 2) &
-                                                                   + 2.0_dp*tangent*inverse(2, 1)))
+         if (.not. objective%zero(1)) std_error%phi(1) = sqrt(inverse(1, 1))/cosh(parameter(1))**2
+         std_error%q(1) = scale**2*model%q(1)*sqrt(max(0.0_dp, tangent**2*inverse(1, 1) &
+            + inverse(2, 2) + 2.0_dp*tangent*inverse(2, 1)))
          next = 3
       end if
       if (objective%walk) then
@@ -261,7 +259,6 @@ contains
 
    !> Reports the progress of the whole.
    subroutine advance_share(self, stage, done, total, cancel)
-      !> Keeps nothing
       class(progress_share_type), intent(inout) :: self
       !> Of this part, as [[gyroakf_progress(module)]]
       character(*), intent(in) :: stage

@@ -11,21 +11,21 @@ module gyroakf_filter_drift_search
    private
    public :: search, finish
 
-   !> Slope of the log-likelihood of a sample that is flat; most steps of a search, and of its end:
-   !> two or three are enough, more would follow the long ridges of models that the series does not
-   !> tell apart
-   real(dp), parameter :: flat = 1.0e-8_dp
-   integer, parameter :: most_iterations = 40, last_steps = 6
+   !> Slope of the log-likelihood of a sample at which a search ends; steps of a search, and of its
+   !> end: two or three are enough, more would follow the long ridges of models that the series does
+   !> not tell apart
+   real(dp), parameter :: gradient_tolerance = 1.0e-8_dp
+   integer, parameter :: max_iterations = 40, max_final_steps = 6
    !> Log-likelihood that is not worth a step: of a search (the parameters are then
    !> within 5 % of their errors), of the last steps (5e-4)
-   real(dp), parameter :: nearly = 1.0e-3_dp, exactly = 1.0e-7_dp
+   real(dp), parameter :: search_tolerance = 1.0e-3_dp, final_tolerance = 1.0e-7_dp
    !> Distance of the minimum in standard errors from which Newton's steps lead there, and most
    !> of them: with a curvature from farther away each divides the distance by 2 or more, with that
    !> of the place by 1e3
-   real(dp), parameter :: close_by = 0.1_dp
-   integer, parameter :: most_settling = 8
+   real(dp), parameter :: newton_range = 0.1_dp
+   integer, parameter :: max_newton_steps = 8
    !> Log-likelihood that makes no difference between a variance and 0
-   real(dp), parameter :: indistinct = 1.0e-2_dp
+   real(dp), parameter :: negligible_gain = 1.0e-2_dp
    !> Groups whose best starts are followed to their end, the two best of the first
    integer, parameter :: followed(4) = [of_all_kinds, of_all_kinds, from_walk, from_ar]
 
@@ -41,11 +41,11 @@ contains
       type(error_type), allocatable :: failed
       real(dp), allocatable :: start(:, :), value(:)
       integer, allocatable :: group(:)
-      real(dp) :: worth
+      real(dp) :: tolerance
       integer :: k, first
 
-      worth = nearly/real(objective%measurements, dp)
-      objective%nothing = .false.
+      tolerance = search_tolerance/real(objective%measurements, dp)
+      objective%zero = .false.
       call list_starts(objective, known, start, group)
       allocate (value(size(start, 2)))
       do k = 1, size(value)
@@ -55,8 +55,8 @@ contains
          first = minloc(value, dim=1, mask=group == followed(k))
          if (first == 0) cycle
          group(first) = 0
-         call minimise(objective, start(:, first), minimise_options(flat, most_iterations, worth, &
-            worth), other, failed)
+         call minimise(objective, start(:, first), minimise_options(gradient_tolerance, &
+            max_iterations, tolerance, tolerance), other, failed)
          if (allocated(failed)) cycle
          if (.not. allocated(minimum%parameter)) minimum = other
          if (other%value < minimum%value) minimum = other
@@ -78,29 +78,28 @@ contains
 
       n = real(objective%measurements, dp)
       call invert_curvature(objective, minimum%parameter, inverse, known)
-      if (known) call go_on(objective, last_steps, minimum, n*inverse)
+      if (known) call continue_search(objective, max_final_steps, minimum, n*inverse)
       settled = known .and. minimum%converged
-      if (.not. settled) call go_on(objective, most_iterations, minimum)
-      call drop_nothing(objective, minimum, dropped)
+      if (.not. settled) call continue_search(objective, max_iterations, minimum)
+      call drop_zero_variances(objective, minimum, dropped)
       if (.not. settled .or. dropped) then
          call invert_curvature(objective, minimum%parameter, inverse, known)
-         if (known) call go_on(objective, last_steps, minimum, n*inverse)
+         if (known) call continue_search(objective, max_final_steps, minimum, n*inverse)
       end if
       if (.not. known) return
-      call settle(objective, inverse, minimum)
+      call polish(objective, inverse, minimum)
       call invert_curvature(objective, minimum%parameter, inverse, known)
-      if (known) call settle(objective, inverse, minimum)
+      if (known) call polish(objective, inverse, minimum)
    end subroutine finish
 
    !> Newton's steps to where the slope is its own rounding: a model then depends on the series
    !> alone, not on the way of the search, which the order of a sum may change.
-   subroutine settle(objective, inverse, minimum)
+   subroutine polish(objective, inverse, minimum)
       type(likelihood_objective), intent(inout) :: objective
-      !> Covariance of the parameters
       real(dp), intent(in) :: inverse(:, :)
       !> Nearly a minimum; that minimum afterwards
       type(minimum_type), intent(inout) :: minimum
-      real(dp), dimension(size(minimum%parameter)) :: move, there, gradient
+      real(dp), dimension(size(minimum%parameter)) :: move, trial, gradient
       real(dp) :: distance, n, value
       logical :: feasible
       integer :: step
@@ -108,63 +107,60 @@ contains
       n = real(objective%measurements, dp)
       move = -n*matmul(inverse, minimum%gradient)
       distance = -n*dot_product(move, minimum%gradient)
-      if (distance > close_by**2) return
-      do step = 1, most_settling
-         there = minimum%parameter + move
-         call objective%evaluate(there, value, gradient, feasible)
+      if (distance > newton_range**2) return
+      do step = 1, max_newton_steps
+         trial = minimum%parameter + move
+         call objective%evaluate(trial, value, gradient, feasible)
          if (.not. feasible) exit
          move = -n*matmul(inverse, gradient)
          if (-n*dot_product(move, gradient) >= distance) exit          ! it falls no more
          distance = -n*dot_product(move, gradient)
-         minimum%parameter = there
+         minimum%parameter = trial
          minimum%gradient = gradient
          minimum%value = value
       end do
-   end subroutine settle
+   end subroutine polish
 
    !> Goes on from a point that is nearly a minimum.
-   subroutine go_on(objective, steps, minimum, inverse)
+   subroutine continue_search(objective, steps, minimum, inverse)
       type(likelihood_objective), intent(inout) :: objective
-      !> So many at most
       integer, intent(in) :: steps
       type(minimum_type), intent(inout) :: minimum
       !> Inverse of the curvature, where it is known
       real(dp), intent(in), optional :: inverse(:, :)
       type(minimum_type) :: other
       type(error_type), allocatable :: failed
-      real(dp) :: worth
+      real(dp) :: tolerance
 
-      worth = exactly/real(objective%measurements, dp)
-      call minimise(objective, minimum%parameter, minimise_options(flat, steps, worth, worth), &
-         other, failed, inverse)
+      tolerance = final_tolerance/real(objective%measurements, dp)
+      call minimise(objective, minimum%parameter, minimise_options(gradient_tolerance, steps, &
+         tolerance, tolerance), other, failed, inverse)
       if (allocated(failed)) return
       if (other%value <= minimum%value) minimum = other
-   end subroutine go_on
+   end subroutine continue_search
 
    !> Makes variances 0 that the likelihood does not tell from it. Their logarithms go down for
    !> ever, to a limit that says nothing; at 0 they are at the edge of what there is, and the others
    !> have errors as if they were not in the model.
-   subroutine drop_nothing(objective, minimum, dropped)
-      !> Its `nothing` is set
+   subroutine drop_zero_variances(objective, minimum, dropped)
       type(likelihood_objective), intent(inout) :: objective
       !> A minimum; its value and gradient are those without what is dropped
       type(minimum_type), intent(inout) :: minimum
-      !> There are such variances
       logical, intent(out) :: dropped
       real(dp) :: most, value
       integer :: k
       logical :: feasible
 
-      most = minimum%value + indistinct/real(objective%measurements, dp)
+      most = minimum%value + negligible_gain/real(objective%measurements, dp)
       do k = merge(2, 1, objective%ar), size(minimum%parameter)
-         objective%nothing(k) = .true.
-         if (value_at(objective, minimum%parameter) > most) objective%nothing(k) = .false.
+         objective%zero(k) = .true.
+         if (value_at(objective, minimum%parameter) > most) objective%zero(k) = .false.
       end do
-      if (objective%ar) objective%nothing(1) = objective%nothing(2)
-      dropped = any(objective%nothing)
+      if (objective%ar) objective%zero(1) = objective%zero(2)
+      dropped = any(objective%zero)
       if (.not. dropped) return
       call objective%evaluate(minimum%parameter, value, minimum%gradient, feasible)
       if (feasible) minimum%value = value
-   end subroutine drop_nothing
+   end subroutine drop_zero_variances
 
 end module gyroakf_filter_drift_search

@@ -80,28 +80,23 @@ contains
                [list, (in_place_of(walk, exp(-1.0_dp/walk_times(i))), i=1, size(walk_times))]
          else
             allocate (list(0))
-            if (ar%count > 0 .and. ar%phi(1) > 0.0_dp) list = &
-               [(start_type(ar%phi(1), variance_of(ar), beside_steps(i), ar%r), i=1, &
-               size(beside_steps))]
-            if (walk%count > 0) list = &
-               [list, ((beside(walk, phi(i), shares(j), of_all_kinds), i=1, beside_times), &
-                                               j=1, size(shares))]
+            if (ar%count > 0 .and. ar%phi(1) > 0.0_dp) list = [(start_type(ar%phi(1), &
+               variance_of(ar), beside_steps(i), ar%r), i=1, size(beside_steps))]
+            if (walk%count > 0) list = [list, ((beside(walk, phi(i), shares(j), of_all_kinds), &
+               i=1, beside_times), j=1, size(shares))]
             if (size(list) == 0) list = &
                [start_type(phi(1), shares(1), steps(3), 1.0_dp - shares(1))]
-            if (walk%count > 0) list = &
-               [list, ((beside(walk, faint_phis(i), faint_shares(j), from_walk), &
-                                                i=1, size(faint_phis)), j=1, size(faint_shares))]
-            if (ar%count > 0) list = &
-               [list, (start_type(ar%phi(1), variance_of(ar), faint_steps(i), ar%r, from_ar), &
-                                             i=1, size(faint_steps))]
+            if (walk%count > 0) list = [list, ((beside(walk, faint_phis(i), faint_shares(j), &
+               from_walk), i=1, size(faint_phis)), j=1, size(faint_shares))]
+            if (ar%count > 0) list = [list, (start_type(ar%phi(1), variance_of(ar), &
+               faint_steps(i), ar%r, from_ar), i=1, size(faint_steps))]
          end if
       end associate
       allocate (start(parameters_of(objective), size(list)))
       group = list%group
       do i = 1, size(list)
          start(:, i) = starting_point(objective, list(i)%phi, max(list(i)%variance, tiniest), &
-            max(list(i)%step, tiniest), &
-                                      max(list(i)%white, tiniest))
+            max(list(i)%step, tiniest), max(list(i)%white, tiniest))
       end do
    end subroutine list_starts
 

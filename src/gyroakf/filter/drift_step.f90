@@ -3,13 +3,12 @@
 module gyroakf_filter_drift_step
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_filter_components, only : predict_components, correct_components, &
-      settle_distance, vanished
-   use gyroakf_filter_measurement, only : is_sample
+      settle_distance, vanished, is_sample
    use gyroakf_filter_sage_husa, only : adapt_noise, gate_inflation, watch_level
    use gyroakf_filter_filter_types, only : filter_type
    implicit none (type, external)
    private
-   public :: run_processes, show_drift, begins_here
+   public :: run_processes, show_drift
 
 contains
 
@@ -31,7 +30,7 @@ contains
       do k = 1, size(z, kind=int64)
          here = is_sample(z(k))
          if (present(valid)) here = here .and. valid(k) /= 0_int8
-         first = begins_here(filter)
+         first = .not. filter%drift_state%started     ! of a random walk: there is no innovation
          if (here) then
             call step_measured(filter, z(k))
          else if (.not. first) then
@@ -49,17 +48,8 @@ contains
       call show_drift(filter)
    end subroutine run_processes
 
-   !> Whether the next measurement is the first of a random walk, which has no innovation.
-   pure logical function begins_here(filter)
-      !> The filter
-      type(filter_type), intent(in) :: filter
-
-      begins_here = .not. filter%drift_state%started
-   end function begins_here
-
    !> A step without a measurement.
    pure subroutine step_missing(filter)
-      !> Started
       type(filter_type), intent(inout) :: filter
 
       call predict_components(filter%drift_model, filter%drift_state)
@@ -77,7 +67,7 @@ contains
 
       n = filter%drift_model%count
       associate (state => filter%drift_state)
-         if (begins_here(filter)) then
+         if (.not. state%started) then
             call correct_components(n, filter%r, z, state)
          else if (filter%settled) then
             state%x(:n) = filter%drift_model%phi(:n)*state%x(:n)
@@ -125,6 +115,6 @@ contains
          if (filter%slow(i)) filter%p(1, 1) = filter%p(1, 1) &
             + sum(filter%drift_state%p(:n, i), mask=filter%slow(:n))
       end do
-      if (begins_here(filter)) filter%p(1, 1) = huge(1.0_dp)
+      if (.not. filter%drift_state%started) filter%p(1, 1) = huge(1.0_dp)
    end subroutine show_drift
 end module gyroakf_filter_drift_step

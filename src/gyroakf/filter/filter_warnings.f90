@@ -13,7 +13,7 @@ module gyroakf_filter_filter_warnings
    public :: colored, filter_result_type, list_warnings, significant
 
    !> Share of the measurements with Q or R at a bound, or gated, that is worth a word
-   real(dp), parameter :: often = 0.05_dp
+   real(dp), parameter :: notable_share = 0.05_dp
    !> Gain below which an adaptive filter has lost the measurements
    real(dp), parameter :: collapsed = 1.0e-3_dp
    !> Gain above which a filter that adapts R only passes the series through
@@ -67,6 +67,7 @@ contains
       !> Its diagnostics; gets the warnings
       type(filter_result_type), intent(inout) :: result
       logical :: paper
+      character(24) :: p_value
 
       allocate (result%warnings(0))
       ! its variances are not meant to be those of the series
@@ -74,14 +75,16 @@ contains
       call judge_adaptation(filter, measurements, result)
       ! a drift filter's output is not the rotation
       if (result%dc_gain < attenuated .and. paper) then
-         call add_text(result%warnings, "of a constant true rotation the output keeps "// &
-            trim(percent(result%dc_gain)) &
-                       //": do not navigate with it", note=.true.)
+         call add_text(result%warnings, "of a constant true rotation the output keeps " &
+            //trim(percent(result%dc_gain))//": do not navigate with it", note=.true.)
       end if
+      p_value = "< 0.001"
+      if (result%ljung_box%p_value >= 0.001_dp) write (p_value, "(a, f5.3)") "= ", &
+         result%ljung_box%p_value
       if (result%ljung_box%largest_rho > colored .and. result%ljung_box%p_value < significant) then
          call add_text(result%warnings, "the innovations are not white: an autocorrelation of " &
                        //trim(decimal(result%ljung_box%largest_rho))//" within 20 lags (p " &
-                       //trim(probability(result%ljung_box%p_value)) &
+                       //trim(p_value) &
                        //", a good model leaves less than 0.10); the model does not describe " &
                        //"the series", note=paper)
       end if
@@ -98,7 +101,6 @@ contains
 
    !> Warnings of the adaptation and the gate.
    pure subroutine judge_adaptation(filter, measurements, result)
-      !> As in list_warnings
       type(filter_type), intent(in) :: filter
       integer(int64), intent(in) :: measurements
       type(filter_result_type), intent(inout) :: result
@@ -117,37 +119,24 @@ contains
                           //"a constant offset may be in either", note=.true.)
          end if
          if (filter%adaptive .and. result%gain < min(collapsed, 0.01_dp*filter%steady_gain(1))) then
-            call add_text(result%warnings, "the gain has collapsed to "// &
-               trim(decimal(result%gain)) &
-                          //": the output no longer follows the measurements")
+            call add_text(result%warnings, "the gain has collapsed to " &
+               //trim(decimal(result%gain))//": the output no longer follows the measurements")
          end if
          if (options%estimate_measurement_variance .and. result%gain > passing) then
             call add_text(result%warnings, &
                "R has fallen towards zero: the series holds hardly any white measurement noise " &
                           //"beside the model, and the filter passes it through (gain "// &
                           trim(decimal(result%gain))//")")
-         else if (real(result%clamped, dp) > often*all_of_them) then
-            call add_text(result%warnings, "Q or R was held at a bound at "// &
-               trim(percent(real(result%clamped, dp)/all_of_them)) &
-                          //" of the measurements")
+         else if (real(result%clamped, dp) > notable_share*all_of_them) then
+            call add_text(result%warnings, "Q or R was held at a bound at " &
+               //trim(percent(real(result%clamped, dp)/all_of_them))//" of the measurements")
          end if
-         if (real(result%gated, dp) > often*all_of_them) then
-            call add_text(result%warnings, "the gate acted at "// &
-               trim(percent(real(result%gated, dp)/all_of_them)) &
-                          //" of the measurements: outliers, or variances that are too small")
+         if (real(result%gated, dp) > notable_share*all_of_them) then
+            call add_text(result%warnings, "the gate acted at "//trim(percent(real(result%gated, &
+               dp)/all_of_them))//" of the measurements: outliers, or variances that are too small")
          end if
       end associate
    end subroutine judge_adaptation
-
-   !> A probability below 0.01, "= 0.004" or "< 0.001".
-   pure function probability(p) result(text)
-      !> 0 ... 0.01
-      real(dp), intent(in) :: p
-      character(24) :: text
-
-      text = "< 0.001"
-      if (p >= 0.001_dp) write (text, "(a, f5.3)") "= ", p
-   end function probability
 
    !> A share as percent, "60.7 %". (Of fixed length, as below: gfortran 12 keeps the length of a
    !> deferred-length result in static memory, which two threads would share.)

@@ -20,10 +20,10 @@ module gyroakf_filter_likelihood
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_filter_components, only : component_model_type, most_components, check_components
+   use gyroakf_filter_components, only : component_model_type, most_components, &
+      check_components, exponent_mask, exponent_limit
    use gyroakf_filter_derivatives, only : last_lane, product_of, quotient, logarithm, multiply, &
       raise, solve
-   use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
    use gyroakf_filter_steady_filter, only : steady_filter_type, stretch_type, make_steady_filter, &
       run_stretch
    implicit none (type, external)

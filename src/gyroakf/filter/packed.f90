@@ -8,8 +8,8 @@
 module gyroakf_filter_packed
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_filter_types, only : filter_type
-   use gyroakf_filter_measurement, only : is_sample
-   use gyroakf_filter_vector_step, only : step_vector
+   use gyroakf_filter_components, only : is_sample
+   use gyroakf_filter_kalman, only : step_vector
    implicit none (type, external)
    private
    public :: packed_length, pack_filter, is_packed, step_packed, freeze_packed, packed_numbers
@@ -67,20 +67,17 @@ contains
 
       state(3:8) = [filter%q, filter%r, filter%q_mean, filter%r_mean, filter%innovation, &
          filter%innovation_variance]
-      state(9:14) = &
-         real([filter%steps, filter%clamped, filter%gated, filter%measurements, filter%q_at_floor, &
-                          filter%r_at_floor], dp)
+      state(9:14) = real([filter%steps, filter%clamped, filter%gated, filter%measurements, &
+         filter%q_at_floor, filter%r_at_floor], dp)
       state(15:17) = real([filter%wait, filter%weight_updates, filter%run], dp)
       state(18) = filter%weight
       state(19:22) = [filter%q_bounds, filter%r_bounds]
       state(23) = filter%consistency
       state(24:25) = [filter%options%forgetting, filter%options%huber]
-      state(26:35) = &
-         merge(1.0_dp, 0.0_dp, [filter%frozen, filter%settled, filter%adaptive, filter%varying, &
-         filter%by_residual, &
-         & filter%by_posterior, filter%options%estimate_process_mean, &
-         & filter%options%estimate_measurement_mean, &
-         & filter%options%estimate_process_variance, filter%options%estimate_measurement_variance])
+      state(26:35) = merge(1.0_dp, 0.0_dp, [filter%frozen, filter%settled, filter%adaptive, &
+         filter%varying, filter%by_residual, filter%by_posterior, &
+         filter%options%estimate_process_mean, filter%options%estimate_measurement_mean, &
+         filter%options%estimate_process_variance, filter%options%estimate_measurement_variance])
    end subroutine put_numbers
 
    !> The same numbers taken out; the arrays of the filter stay unallocated.
@@ -162,8 +159,7 @@ contains
 
       n = nint(state(2))
       numbers = [state(head + n + 1), state(head + 5*n + 1), state(head + 2*n + 1), state(7), &
-         state(8), state(5), state(6), &
-         & state(3), state(4)]
+         state(8), state(5), state(6), state(3), state(4)]
    end subroutine packed_numbers
 
 end module gyroakf_filter_packed

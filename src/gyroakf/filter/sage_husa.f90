@@ -87,7 +87,6 @@ contains
    !> Holds a variance within its bounds.
    pure subroutine hold(value, bounds, at_floor, clamped)
       real(dp), intent(inout) :: value
-      !> Smallest and largest
       real(dp), intent(in) :: bounds(2)
       !> Counts the times it was at the lower bound
       integer(int64), intent(inout) :: at_floor

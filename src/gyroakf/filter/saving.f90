@@ -9,7 +9,7 @@
 module gyroakf_filter_saving
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_filter_checksum, only : checksum
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_drift_filter, only : new_drift_filter
@@ -63,10 +63,8 @@ contains
       copy = filter
       box%writing = .true.
       allocate (box%word(200 + filter%order*(filter%order + 8_int64)), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the state of a filter")
-         return
-      end if
+      call check_memory(stat, "the state of a filter", error)
+      if (allocated(error)) return
       call exchange_making(box, copy)
       call exchange_state(box, copy)
       word = box%word(:box%at)
@@ -131,10 +129,8 @@ contains
 
    !> A new filter of the same making.
    subroutine make_again(made, filter, error)
-      !> Coefficients, variances and options are looked at
       type(filter_type), intent(in) :: made
       type(filter_type), intent(out) :: filter
-      !> As new_filter and new_drift_filter
       type(error_type), allocatable, intent(out) :: error
 
       if (made%drift_model%count > 0) then

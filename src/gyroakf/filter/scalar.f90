@@ -6,8 +6,7 @@
 !> test says so.
 module gyroakf_filter_scalar
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_components, only : settle_distance, vanished
-   use gyroakf_filter_measurement, only : exponent_mask, exponent_limit
+   use gyroakf_filter_components, only : settle_distance, vanished, exponent_mask, exponent_limit
    use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)

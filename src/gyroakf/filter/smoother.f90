@@ -16,13 +16,12 @@
 !> Koopman, Time Series Analysis by State Space Methods, 2nd ed. (2012), 4.4.
 module gyroakf_filter_smoother
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_filter_components, only : component_model_type, component_state_type, &
       most_components, check_components, correct_components, predict_components, &
-      settle_distance, start_components
+      settle_distance, start_components, is_sample
    use gyroakf_filter_drift_steady, only : steady_drift_gain
-   use gyroakf_filter_measurement, only : is_sample
    implicit none (type, external)
    private
    public :: smooth_drift, check_sizes
@@ -42,7 +41,7 @@ module gyroakf_filter_smoother
       real(dp) :: rho(most_components) = 0.0_dp, n(most_components, most_components) = 0.0_dp
       !> Before the first measurement of a random walk: estimates and their covariance
       logical :: before = .false.
-      real(dp) :: x(most_components) = 0.0_dp, v(most_components, most_components) = 0.0_dp
+      type(component_state_type) :: state
    end type smoother_back_type
 
 contains
@@ -84,14 +83,12 @@ contains
       call check_sizes(n, size(drift, kind=int64), size(slow) == model%count, error, valid, &
          variance, white)
       if (allocated(error)) return
-      length = block_of(n)
+      length = max(shortest_block, int(sqrt(real(n, dp)), int64))
       blocks = (n + length - 1)/length
       allocate (start(blocks), stat=stat)
       if (stat == 0) allocate (step(length), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the states of the smoother")
-         return
-      end if
+      call check_memory(stat, "the states of the smoother", error)
+      if (allocated(error)) return
       call steady_drift_gain(model, steady, failed)
       if (allocated(failed)) steady = 0.0_dp
       call start_components(model, state)
@@ -122,14 +119,6 @@ contains
       end do
    end subroutine smooth_drift
 
-   !> Samples of a block.
-   pure integer(int64) function block_of(n) result(length)
-      !> Samples of the series
-      integer(int64), intent(in) :: n
-
-      length = max(shortest_block, int(sqrt(real(n, dp)), int64))
-   end function block_of
-
    !> Refuses arrays that do not fit.
    subroutine check_sizes(n, output, named, error, valid, variance, white)
       !> Of the series, of the output; whether there is a word for each process
@@ -155,7 +144,6 @@ contains
                                     valid, white)
       type(component_model_type), intent(in) :: model
       real(dp), intent(in), contiguous :: z(:)
-      !> First and last sample
       integer(int64), intent(in) :: from, to
       !> Before the block, behind it afterwards
       type(component_state_type), intent(inout) :: state
@@ -163,7 +151,6 @@ contains
       real(dp), intent(in) :: steady(:)
       logical, intent(inout) :: settled
       type(smoother_step_type), intent(inout), contiguous :: step(:)
-      !> Measurements so far
       integer(int64), intent(inout) :: seen
       integer(int8), intent(in), optional :: valid(:)
       real(dp), intent(in), optional :: white(:)
@@ -204,7 +191,6 @@ contains
       logical, intent(in) :: slow(:)
       type(smoother_step_type), intent(in), contiguous :: step(:)
       integer(int64), intent(in) :: from, to
-      !> From block to block
       type(smoother_back_type), intent(inout) :: back
       real(dp), intent(inout), contiguous :: drift(:)
       real(dp), intent(inout), optional :: variance(:)
@@ -214,14 +200,17 @@ contains
       n = model%count
       do k = to, from, -1
          associate (now => step(k - from + 1))
-            if (back%before) then
-               call predict_back(model, back)
+            if (back%before) then       ! the processes are the same in both directions of time
+               call predict_components(model, back%state)
             else
-               back%x(:n) = now%state%x(:n) + matmul(now%state%p(:n, :n), back%rho(:n))
-               if (present(variance)) call smooth_covariance(n, now%state%p, back)
+               associate (p => now%state%p(:n, :n))
+                  back%state%x(:n) = now%state%x(:n) + matmul(p, back%rho(:n))
+                  if (present(variance)) back%state%p(:n, :n) = p &
+                     - matmul(matmul(p, back%n(:n, :n)), p)
+               end associate
             end if
-            drift(k) = sum(back%x(:n), mask=slow)
-            if (present(variance)) variance(k) = sum(back%v(:n, :n), mask=spread(slow, 1, n) &
+            drift(k) = sum(back%state%x(:n), mask=slow)
+            if (present(variance)) variance(k) = sum(back%state%p(:n, :n), mask=spread(slow, 1, n) &
                .and. spread(slow, 2, n))
             back%before = back%before .or. now%begins
             if (back%before) cycle
@@ -230,17 +219,6 @@ contains
          end associate
       end do
    end subroutine smooth_back
-
-   !> The covariance from both sides.
-   pure subroutine smooth_covariance(n, p, back)
-      integer, intent(in) :: n
-      !> Filtered
-      real(dp), intent(in) :: p(:, :)
-      !> Its v is set
-      type(smoother_back_type), intent(inout) :: back
-
-      back%v(:n, :n) = p(:n, :n) - matmul(matmul(p(:n, :n), back%n(:n, :n)), p(:n, :n))
-   end subroutine smooth_covariance
 
    !> Rho back by one sample and its measurement.
    pure subroutine carry_back(model, now, back)
@@ -284,21 +262,5 @@ contains
          end do
       end do
    end subroutine carry_covariance
-
-   !> Back by one sample before the first measurement: the processes are the same in both directions
-   !> of time.
-   pure subroutine predict_back(model, back)
-      type(component_model_type), intent(in) :: model
-      type(smoother_back_type), intent(inout) :: back
-      integer :: i, j
-
-      do j = 1, model%count
-         back%x(j) = model%phi(j)*back%x(j)
-         do i = 1, model%count
-            back%v(i, j) = model%phi(i)*model%phi(j)*back%v(i, j)
-         end do
-         back%v(j, j) = back%v(j, j) + model%q(j)
-      end do
-   end subroutine predict_back
 
 end module gyroakf_filter_smoother

@@ -7,7 +7,7 @@
 !> the ones below the diagonal only shift: a step costs O(p^2), no matrix product is formed.
 module gyroakf_filter_state_space
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    implicit none (type, external)
    private
    public :: predict_covariance, correct_covariance, stationary_covariance, companion, shifted
@@ -103,10 +103,8 @@ contains
 
       n = size(phi)
       allocate (lower(n, 0:n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the covariance of the filter")
-         return
-      end if
+      call check_memory(stat, "the covariance of the filter", error)
+      if (allocated(error)) return
       lower(:, n) = phi
       r(0) = q
       do m = n, 1, -1
@@ -118,9 +116,8 @@ contains
          end if
          r(0) = r(0)/((1.0_dp - reflection)*(1.0_dp + reflection))
          do i = 1, m - 1
-            lower(i, m - 1) = &
-               (lower(i, m) + reflection*lower(m - i, m))/((1.0_dp - reflection)*(1.0_dp &
-               + reflection))
+            lower(i, m - 1) = (lower(i, m) + reflection*lower(m - i, m))/((1.0_dp &
+               - reflection)*(1.0_dp + reflection))
          end do
       end do
       do m = 1, n

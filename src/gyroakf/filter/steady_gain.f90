@@ -3,7 +3,7 @@
 !> Chandrasekhar recursion, and by doubling of the Riccati equation.
 module gyroakf_filter_steady_gain
    use gyroakf_kinds, only : dp
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_lapack, only : dgemm, dgesv
    use gyroakf_filter_state_space, only : companion, correct_covariance, predict_covariance, shifted
    implicit none (type, external)
@@ -20,7 +20,6 @@ module gyroakf_filter_steady_gain
    integer, parameter :: long_order = 50, most_steps = 100000
    !> Growth over the driving noise from which on `settle_gain` does not settle
    real(dp), parameter :: explosive = 1.0e60_dp
-   character(*), parameter :: no_memory = "no memory for the steady gain of the filter"
 
 contains
 
@@ -59,10 +58,8 @@ contains
          if (size(phi) >= long_order) call settle_gain(phi, q, r, prior, settled)
          if (.not. settled) then
             allocate (transition(size(phi), size(phi)), stat=stat)
-            if (stat /= 0) then
-               call fatal_error(error, status%no_memory, no_memory)
-               return
-            end if
+            call check_memory(stat, "the steady gain of the filter", error)
+            if (allocated(error)) return
             transition = 0.0_dp
             call companion(phi, transition)
             first = 0.0_dp
@@ -84,10 +81,7 @@ contains
    !> True where r is 0, or so small that the state counts as measured: what r adds to the variance
    !> of the prediction, at most $r (\sum |\phi_j|)^2$, is below the rounding of q.
    pure logical function noise_is_lost(phi, q, r)
-      !> Coefficients, [p], p >= 1
-      real(dp), intent(in) :: phi(:)
-      !> Variances of the driving and of the measurement noise, >= 0
-      real(dp), intent(in) :: q, r
+      real(dp), intent(in) :: phi(:), q, r
 
       noise_is_lost = .not. r > 0.0_dp
       if (size(phi) > 1 .and. q > 0.0_dp) noise_is_lost = sqrt(r)*(1.0_dp + sum(abs(phi))) &
@@ -127,7 +121,6 @@ contains
       real(dp), intent(in) :: phi(:)
       !> Variances of the driving and of the measurement noise, > 0
       real(dp), intent(in) :: q, r
-      !> Covariance of the settled prediction, [p, p]
       real(dp), intent(out) :: p(:, :)
       !> False where it does not settle; `p` is of no use then
       logical, intent(out) :: settled
@@ -205,10 +198,8 @@ contains
       if (info == 0) allocate (m(n, n), stat=info)
       if (info == 0) allocate (step(n, n), stat=info)
       if (info == 0) allocate (w(n, 2*n), stat=info)
-      if (info /= 0) then
-         call fatal_error(error, status%no_memory, no_memory)
-         return
-      end if
+      call check_memory(info, "the steady gain of the filter", error)
+      if (allocated(error)) return
       do i = 1, n
          a(:, i) = transition(i, :)
          g(:, i) = measured*measured(i)

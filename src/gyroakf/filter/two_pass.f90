@@ -10,13 +10,12 @@
 !> with the numbers of samples that stand behind the two, $ (1 - b^m)/(1 - b) $ after m adaptations.
 module gyroakf_filter_two_pass
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_filter_components, only : component_model_type
+   use gyroakf_filter_components, only : component_model_type, is_sample
    use gyroakf_filter_creation, only : shorten_burn_in
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter
-   use gyroakf_filter_measurement, only : is_sample
    use gyroakf_filter_sage_husa, only : gate_inflation
    use gyroakf_filter_smoother, only : check_sizes, smooth_drift
    implicit none (type, external)
@@ -68,10 +67,8 @@ contains
       if (allocated(error)) return
       if (options%burn_in < 0) call shorten_burn_in(filter, n)
       allocate (r(n), stat=stat)
-      if (stat /= 0) then
-         call fatal_error(error, status%no_memory, "no memory for the white noise of a series")
-         return
-      end if
+      call check_memory(stat, "the white noise of a series", error)
+      if (allocated(error)) return
       call weigh_both_ways(filter, z, r, drift, error, valid, progress)
       if (allocated(error)) return
       call join_ways(filter, z, r, drift, valid)
@@ -82,12 +79,9 @@ contains
    !> The variance of the white noise that the samples before, and those behind, let expect: one
    !> thread each.
    subroutine weigh_both_ways(fresh, z, before, behind, error, valid, progress)
-      !> As made
       type(filter_type), intent(in) :: fresh
       real(dp), intent(in), contiguous :: z(:)
-      !> Variances, [n]
       real(dp), intent(inout), contiguous :: before(:), behind(:)
-      !> cancelled
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
@@ -127,7 +121,6 @@ contains
    !> A step of the filter, and the variance of the white noise that it expected.
    pure subroutine weigh_sample(filter, z, here, r)
       type(filter_type), intent(inout) :: filter
-      !> The sample, and whether it is there
       real(dp), intent(in) :: z
       logical, intent(in) :: here
       !> Variance, times the factor of the gate
@@ -144,12 +137,10 @@ contains
 
    !> The geometric mean of the two variances of each sample.
    subroutine join_ways(fresh, z, before, behind, valid)
-      !> The filter as made
       type(filter_type), intent(in) :: fresh
       real(dp), intent(in), contiguous :: z(:)
       !> Variance from before, [n]; from both sides afterwards
       real(dp), intent(inout), contiguous :: before(:)
-      !> From behind, [n]
       real(dp), intent(in), contiguous :: behind(:)
       integer(int8), intent(in), optional :: valid(:)
       real(dp) :: share, weight
@@ -176,9 +167,7 @@ contains
 
    !> Measurements that R remembers after so many.
    pure real(dp) function memory_of(fresh, measurements) result(memory)
-      !> The filter as made
       type(filter_type), intent(in) :: fresh
-      !> So many
       integer(int64), intent(in) :: measurements
       integer(int64) :: adapted
 

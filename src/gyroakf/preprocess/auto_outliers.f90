@@ -22,7 +22,7 @@
 !>    with 0.001 false alarms. It is reported, and nothing is marked.
 module gyroakf_preprocess_auto_outliers
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_special, only : normal_quantile
    use gyroakf_preprocess_exceedances, only : find_exceedances, exceeds_bit
@@ -181,8 +181,7 @@ contains
          end do
          if (pass == 2) exit
          allocate (motion(2, found), stat=stat)
-         if (stat /= 0) call fatal_error(error, status%no_memory, &
-            & "no memory for the stretches of motion")
+         call check_memory(stat, "the stretches of motion", error)
          if (allocated(error)) return
       end do
       marks = merge(present_bit, 0_int8, iand(marks, ior(present_bit, exceeds_bit)) == present_bit)

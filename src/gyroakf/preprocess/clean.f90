@@ -3,7 +3,7 @@
 module gyroakf_preprocess_clean
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_autocovariance, only : check_series
    use gyroakf_stats_moments, only : moments_type, compute_moments
@@ -14,11 +14,58 @@ module gyroakf_preprocess_clean
       & mark_outliers, robust_centre
    use gyroakf_preprocess_local_outliers, only : largest_half_width, mark_hampel
    use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut
-   use gyroakf_preprocess_clean_types, only : clean_options, clean_type
    use gyroakf_preprocess_running_residual, only : find_coarse_step
    implicit none (type, external)
    private
    public :: clean_options, clean_type, clean_series
+
+   !> What is removed
+   type :: clean_options
+      !> Degree of the trend, -1 .. 9; -1 keeps it, outliers are then those about the mean or median
+      integer :: degree = 3
+      !> Outliers: none, auto, pauta, mad, hampel (see gyroakf_preprocess_outlier_rules)
+      character(6) :: method = "auto"
+      !> Threshold in standard deviations, > 0; 0: the method's own
+      real(dp) :: threshold = 0.0_dp
+      !> Most rounds, >= 1; 1: what is marked by a single pass over all samples
+      integer :: max_passes = 20
+      !> Of hampel: samples on either side that a sample is compared with, 1 .. 100,000
+      integer :: half_width = 25
+   end type clean_options
+
+   !> What was removed, in the unit u of the series
+   type :: clean_type
+      !> Method used
+      character(6) :: method = "none"
+      !> Threshold used (in the last round), in standard deviations; 0 with none
+      real(dp) :: threshold = 0.0_dp
+      !> Rounds; the last one changed nothing where converged
+      integer :: passes = 0
+      !> Outliers marked
+      integer(int64) :: removed = 0
+      !> Outliers over the samples that were present before
+      real(dp) :: fraction = 0.0_dp
+      !> Their 1-based indices, ascending: [removed]
+      integer(int64), allocatable :: outlier(:)
+      !> The trend that was subtracted
+      type(trend_type) :: trend
+      !> Mean of the cleaned series, u
+      real(dp) :: mean = 0.0_dp
+      !> Its variance with divisor count - 1, u^2
+      real(dp) :: variance = 0.0_dp
+      !> .false.: the marks still changed in the last round
+      logical :: converged = .true.
+      !> Samples that the rule marks on average of white normal noise of this length
+      real(dp) :: expected = 0.0_dp
+      !> The variance of normal noise that the cleaned series was cut from, u^2: the variance over
+      !> the share that cutting leaves of it (see gyroakf_preprocess_truncation); a statement,
+      !> nothing uses it. 0 where it is not known (hampel)
+      real(dp) :: corrected_variance = 0.0_dp
+      !> Samples on either side, with hampel; else 0
+      integer :: half_width = 0
+      !> With auto: first and last sample of each stretch of motion, which is left: [2, stretches]
+      integer(int64), allocatable :: motion(:, :)
+   end type clean_type
 
    !> Rounds in which a mark may be taken back
    integer, parameter :: free_rounds = 12
@@ -62,7 +109,7 @@ contains
       allocate (cleaned(size(x, kind=int64)), stat=stat)
       if (stat == 0 .and. (present(valid) .or. options%method /= "none")) allocate ( &
          & present_out(size(x, kind=int64)), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the cleaned series")
+      call check_memory(stat, "the cleaned series", error)
       if (allocated(error)) return
       if (allocated(present_out)) present_out = 1_int8
       if (present(valid)) present_out = merge(1_int8, 0_int8, valid /= 0_int8)
@@ -223,7 +270,7 @@ contains
 
       result%fraction = real(result%removed, dp)/real(found, dp)
       allocate (result%outlier(result%removed), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the list of outliers")
+      call check_memory(stat, "the list of outliers", error)
       if (allocated(error)) return
       if (allocated(mask)) then
          k = 0

@@ -6,7 +6,7 @@
 !> over the record, one over loud blocks and one over blocks with an exceedance.
 module gyroakf_preprocess_exceedances
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_chunks, only : threads_from
    use gyroakf_threads, only : thread_count
    use gyroakf_progress, only : progress_type, report_progress
@@ -61,8 +61,7 @@ contains
       allocate (loud(blocks), stat=stat)
       if (stat == 0) allocate (peak(blocks), stat=stat)
       if (stat == 0) allocate (counts(0:classes, parts), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the search for outliers")
+      call check_memory(stat, "the search for outliers", error)
       if (allocated(error)) return
       call report_progress("looking for outliers", 0_int64, n, error, progress)
       if (allocated(error)) return
@@ -147,8 +146,7 @@ contains
       blocks = size(loud, kind=int64)
       if (mod(n, int(block_size, int64)) /= 0) loud(blocks) = -1.0_dp
       allocate (known(blocks), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the loudness of the blocks")
+      call check_memory(stat, "the loudness of the blocks", error)
       if (allocated(error)) return
       known(:) = merge(1_int8, 0_int8, loud >= 0.0_dp)
       if (count(known == 1_int8, kind=int64) >= min_blocks) call find_median(loud, typical, error, &

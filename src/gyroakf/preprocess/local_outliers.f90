@@ -11,7 +11,7 @@
 !> Process. 2016:87.
 module gyroakf_preprocess_local_outliers
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_chunks, only : threads_from
    use gyroakf_threads, only : thread_count
    use gyroakf_progress, only : progress_type, report_progress
@@ -84,8 +84,7 @@ contains
       do first = 1, size(window, kind=int64)
          if (stat == 0) allocate (window(first)%value(2*k + 1), stat=stat)
       end do
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the windows of the Hampel filter")
+      call check_memory(stat, "the windows of the Hampel filter", error)
       if (allocated(error)) return
       do first = 1, stretches, size(window, kind=int64)
          last = min(first + size(window, kind=int64) - 1, stretches)
@@ -139,19 +138,22 @@ contains
       integer(int64), intent(in) :: leaving, entering
       type(window_type), intent(inout) :: window
       integer(int8), intent(in), optional :: valid(:)
+      real(dp) :: old, new
       logical :: out, in
 
       out = leaving >= 1
       if (out) out = is_present(leaving, valid)
       in = entering <= size(x, kind=int64)
       if (in) in = is_present(entering, valid)
-      if (out .and. in) then
-         call replace_value(window, x(leaving), x(entering))
-      else if (out) then
-         call remove_value(window, x(leaving))
-      else if (in) then
-         call insert_value(window, x(entering))
-      end if
+      if (.not. (out .or. in)) return
+      old = huge(old)                                  ! stands for a sample that is not there
+      new = huge(new)
+      if (out) old = x(leaving)
+      if (in) new = x(entering)
+      if (.not. out) window%count = window%count + 1
+      if (.not. out) window%value(window%count) = old
+      call replace_value(window, old, new)
+      if (.not. in) window%count = window%count - 1
    end subroutine advance
 
    pure logical function is_present(i, valid)
@@ -187,32 +189,6 @@ contains
       if (mark /= inlier) changed = changed + 1
       inlier = mark
    end subroutine set_mark
-
-   !> Inserts a value; the window must not be full.
-   pure subroutine insert_value(window, x)
-      type(window_type), intent(inout) :: window
-      real(dp), intent(in) :: x
-      integer :: i, place
-
-      place = count_below(window, x)
-      do i = window%count, place + 1, -1
-         window%value(i + 1) = window%value(i)
-      end do
-      window%value(place + 1) = x
-      window%count = window%count + 1
-   end subroutine insert_value
-
-   !> Takes a value out.
-   pure subroutine remove_value(window, x)
-      type(window_type), intent(inout) :: window
-      real(dp), intent(in) :: x
-      integer :: i
-
-      do i = count_below(window, x) + 1, window%count - 1
-         window%value(i) = window%value(i + 1)
-      end do
-      window%count = window%count - 1
-   end subroutine remove_value
 
    !> Takes a value out and puts another one in.
    pure subroutine replace_value(window, old, new)

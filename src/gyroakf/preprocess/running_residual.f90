@@ -8,7 +8,7 @@
 !> are spread over their step by fixed numbers: else the quantiles of r are 0 or a step.
 module gyroakf_preprocess_running_residual
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_chunks, only : threads_from
    use gyroakf_select, only : find_median
    use gyroakf_sort, only : sort_values
@@ -173,7 +173,6 @@ contains
 
    !> Medians of eleven samples in a row each.
    subroutine take_medians(x, step, marks, median, known, error)
-      !> Series: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> Quantization step, 0 for none
       real(dp), intent(in) :: step
@@ -182,7 +181,6 @@ contains
       !> Medians, and `present_bit` where six or more of the samples are present, else 0: [n/11]
       real(dp), allocatable, intent(out) :: median(:)
       integer(int8), allocatable, intent(out) :: known(:)
-      !> no_memory
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: y(:)
       logical, allocatable :: there(:)
@@ -193,8 +191,7 @@ contains
       number = size(x, kind=int64)/window
       allocate (median(number), stat=stat)
       if (stat == 0) allocate (known(number), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the search for motion")
+      call check_memory(stat, "the search for motion", error)
       if (allocated(error)) return
       !$omp parallel do if (size(x, kind=int64) >= threads_from) default(shared) &
       !$omp& private(y, there, medians, j, bad) schedule(static) reduction(+:stat)
@@ -213,8 +210,7 @@ contains
          end do
       end do
       !$omp end parallel do
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the search for motion")
+      call check_memory(stat, "the search for motion", error)
    end subroutine take_medians
 
    !> Quantization step: the median distance of the distinct values among the first 100,000 samples.
@@ -234,8 +230,7 @@ contains
       step = 0.0_dp
       n = int(min(size(x, kind=int64), step_samples))
       allocate (value(n), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the search of a quantization step")
+      call check_memory(stat, "the search of a quantization step", error)
       if (allocated(error)) return
       k = 0
       do i = 1, n

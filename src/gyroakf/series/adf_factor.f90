@@ -5,7 +5,7 @@
 !> first i columns leaves \(\sum_{j>i} R_{jk}^2\), k the last column, without cancellation.
 module gyroakf_series_adf_factor
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_lapack, only : dpotrf, dgeqrf
    use gyroakf_stats_trend, only : trend_type, subtract_trend
@@ -53,8 +53,7 @@ contains
 
       k = size(order)
       allocate (r(k, k), stat=i)
-      if (i /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the factor of the unit-root regression")
+      call check_memory(i, "the factor of the unit-root regression", error)
       if (allocated(error)) return
       r = 0.0_dp
       do j = 1, k
@@ -71,7 +70,6 @@ contains
    subroutine factor_gram(matrix, scale, ready)
       real(dp), intent(inout), contiguous :: matrix(:, :)
       real(dp), intent(out) :: scale(:)
-      !> .false. where too many digits are lost
       logical, intent(out) :: ready
       integer :: j, k, info
 
@@ -163,8 +161,7 @@ contains
       base = gram%terms + 1
       allocate (y(-p - 1:int(last - first)), row(k), tau(k), work(64*k))
       allocate (a(k + int(last - first) + 1, k), stat=info)
-      if (info /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for rows of the unit-root regression")
+      call check_memory(info, "rows of the unit-root regression", error)
       if (allocated(error)) return
       y(:) = x(first - p:last + 1)
       call subtract_trend(trend, first - p - 1, y)

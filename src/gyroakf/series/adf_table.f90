@@ -78,7 +78,6 @@ contains
       type(trend_type), intent(in) :: trend
       !> Factors of powers of the time, lags, level; a column for each row of the table
       real(dp), intent(out) :: map(:, :)
-      !> What is added to the deterministic ones
       real(dp), intent(out) :: constant(3)
       real(dp) :: c, d, power(3, 3)
       integer :: j, level

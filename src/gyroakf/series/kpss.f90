@@ -186,7 +186,6 @@ contains
 
    !> Statistic, p-value, verdict.
    subroutine judge(sum_share, terms, result, error)
-      !> Sum of S_t^2 over n^2
       real(dp), intent(in) :: sum_share
       integer, intent(in) :: terms
       type(kpss_type), intent(inout) :: result

@@ -6,7 +6,7 @@ module gyroakf_simulate_disturbance
    use gyroakf_random, only : random_type, next_uniform
    implicit none (type, external)
    private
-   public :: add_polynomial, add_warm_up, add_motion, add_outliers, round_to_step, lose_samples
+   public :: add_polynomial, add_warm_up, add_motion, add_outliers, lose_samples
 
 contains
 
@@ -118,16 +118,6 @@ contains
             sign(size_in_deviations*deviation*(1 - spread + 4*spread*mod(u, 0.5_dp)), u - 0.5_dp)
       end do
    end subroutine add_outliers
-
-   !> Rounds to multiples of a step, as a digital output does.
-   pure subroutine round_to_step(x, step)
-      !> Series: [n]
-      real(dp), intent(inout), contiguous :: x(:)
-      !> Step, unit of x, > 0
-      real(dp), intent(in) :: step
-
-      x(:) = step*anint(x/step)
-   end subroutine round_to_step
 
    !> Loses every sample with the same probability, independently.
    pure subroutine lose_samples(x, share, random, present)

@@ -24,7 +24,7 @@ module gyroakf_simulate_noise
    use gyroakf_random, only : random_type, next_normal, next_uniform, next_laplace, next_t5
    implicit none (type, external)
    private
-   public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, add_ramp, &
+   public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, &
       add_autoregressive
 
    !> Variates less one between two calls of the progress: a power of two less one
@@ -188,25 +188,6 @@ contains
          w = w + step*g1
       end do
    end subroutine add_random_walk
-
-   !> Adds a ramp that starts at zero, as its means over the sample intervals.
-   !>
-   !> $$ x_i \mathrel{+}= R t_0 (i - 1/2), \quad i = 1 \ldots n $$
-   pure subroutine add_ramp(x, r, t0, first)
-      !> Rates: [n]
-      real(dp), intent(inout), contiguous :: x(:)
-      !> Ramp, u/s, of either sign
-      real(dp), intent(in) :: r
-      !> Sample interval, s, > 0
-      real(dp), intent(in) :: t0
-      !> Index of x(1) counted from the start of the ramp, 0; negative where x begins before it
-      integer(int64), intent(in) :: first
-      integer(int64) :: i
-
-      do i = 1, size(x, kind=int64)
-         x(i) = x(i) + (r*t0)*(first + i - 0.5_dp)
-      end do
-   end subroutine add_ramp
 
    !> Adds an autoregressive process that is stationary from its first sample.
    !>

@@ -15,9 +15,9 @@ module gyroakf_simulate_simulate_record
    use gyroakf_record, only : record_type, add_text
    use gyroakf_random, only : random_type, seed_random
    use gyroakf_simulate_noise, only : add_quantisation_noise, add_white, add_flicker, &
-      add_random_walk, add_ramp, add_autoregressive
+      add_random_walk, add_autoregressive
    use gyroakf_simulate_disturbance, only : add_polynomial, add_warm_up, add_motion, add_outliers, &
-      round_to_step, lose_samples
+      lose_samples
    use gyroakf_simulate_options, only : check_options, filters_of, paper_preset, paper_seed, &
       simulate_options
    use gyroakf_simulate_sensor_filter, only : section_type, settling_samples, apply_section
@@ -256,7 +256,7 @@ contains
             least_size), random(stream_contamination), error)
          if (.not. allocated(error)) call add_signal(options, deterministic, x, error)
          if (allocated(error)) return
-         if (options%lsb > 0) call round_to_step(x, options%lsb)
+         if (options%lsb > 0) x(:) = options%lsb*anint(x/options%lsb)
          if (options%missing <= 0) return
          allocate (record%present(options%samples, 1), stat=stat)
          call check_memory(stat, "the marks of missing samples", error)
@@ -269,12 +269,12 @@ contains
    !> Ramp, trend, offset, warm-up.
    pure subroutine add_deterministic(options, first, x)
       type(simulate_options), intent(in) :: options
-      !> Sample index of x(1)
       integer(int64), intent(in) :: first
       real(dp), intent(inout), contiguous :: x(:)
 
-      associate (r => options%coefficient(5))
-         if (abs(r) > 0) call add_ramp(x, r, 1/options%rate_hz, first)
+      ! means over the sample intervals: the ramp is R t0 (i + 1/2) at sample i
+      associate (step => options%coefficient(5)/options%rate_hz)
+         if (abs(step) > 0) call add_polynomial(x, [step/2, step], first)
       end associate
       if (allocated(options%trend)) call add_polynomial(x, options%trend, first)
       if (abs(options%offset) > 0) call add_polynomial(x, [options%offset], first)

@@ -3,7 +3,7 @@
 module gyroakf_stats_anderson_darling
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_chunks, only : chunk_group, threads_from, chunk_count, chunk_first, chunk_last
    use gyroakf_special, only : log1p
    use gyroakf_sort, only : sort_values
@@ -119,8 +119,7 @@ contains
       result%stride = (found - 1)/options%most_samples + 1
       result%samples = (found - 1)/result%stride + 1
       allocate (z(result%samples), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the sorted series of the Anderson-Darling test")
+      call check_memory(stat, "the sorted series of the Anderson-Darling test", error)
       if (allocated(error)) return
       if (.not. present(valid)) z(:) = x(::result%stride)
       if (.not. present(valid)) return

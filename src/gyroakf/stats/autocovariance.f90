@@ -12,7 +12,7 @@
 module gyroakf_stats_autocovariance
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_progress, only : progress_type
@@ -217,7 +217,7 @@ contains
       call check_series(n, shared%max_lag, error, valid)
       if (allocated(error)) return
       allocate (total(2*(shared%max_lag + 1)), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for the lagged sums")
+      call check_memory(stat, "the lagged sums", error)
       if (allocated(error)) return
       call set_level(sums%level, shared%mean, shared%remainder)
       call sum_chunks(sums, x, n, "autocovariances", total, error, valid, progress)

@@ -4,7 +4,7 @@
 module gyroakf_stats_correlation
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_special, only : chi_square_survival
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_stats_whiteness, only : ljung_box_type, ljung_box_of
@@ -106,8 +106,7 @@ contains
       if (stat == 0) allocate (result%bartlett(0:h), stat=stat)
       if (stat == 0) allocate (result%ljung_box(0:h), stat=stat)
       if (stat == 0) allocate (result%ljung_box_p(0:h), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the correlation at every lag")
+      call check_memory(stat, "the correlation at every lag", error)
       if (allocated(error)) return
       result%lags = h
       result%samples = n
@@ -123,8 +122,7 @@ contains
       result%observations = result%pairs(0)
       call set_limits_and_tests(result)
       call partial_autocorrelation(result%acf, result%pacf, result%partial_lags, stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the partial autocorrelation")
+      call check_memory(stat, "the partial autocorrelation", error)
    end subroutine correlation_of
 
    !> Limits of the autocorrelation: the mean over m_k pairs has the variance 1/m_k, and acf has the
@@ -163,7 +161,7 @@ contains
       integer, intent(out) :: known, stat
       real(dp), allocatable :: phi(:)
       real(dp) :: variance, reflection
-      integer :: m, j
+      integer :: m
 
       pacf(:) = 0.0_dp
       pacf(0) = 1.0_dp
@@ -172,11 +170,7 @@ contains
       if (stat /= 0) return
       variance = 1.0_dp
       do m = 1, ubound(rho, 1)
-         reflection = rho(m)
-         do j = 1, m - 1
-            reflection = reflection - phi(j)*rho(m - j)
-         end do
-         reflection = reflection/variance
+         reflection = (rho(m) - dot_product(phi(:m - 1), rho(m - 1:1:-1)))/variance
          variance = variance*((1.0_dp - reflection)*(1.0_dp + reflection))
          if (variance <= epsilon(variance)) return
          phi(:m - 1) = phi(:m - 1) - reflection*phi(m - 1:1:-1)

@@ -9,7 +9,7 @@ module gyroakf_stats_extremes
    !> Values of a block
    integer(int64), parameter :: block_values = 65536
    !> Values for which it pays to wake other threads
-   integer(int64), parameter :: worth_threads = 524288
+   integer(int64), parameter :: threads_from = 524288
    !> Values that are looked at side by side
    integer, parameter :: lanes = 8
 
@@ -27,7 +27,7 @@ contains
       limit = transfer(largest, limit)
       blocks = (n + block_values - 1)/block_values
       top = 0
-      !$omp parallel do schedule(static) reduction(max:top) if (n > worth_threads)
+      !$omp parallel do schedule(static) reduction(max:top) if (n > threads_from)
       do k = 0, blocks - 1
          top = max(top, largest_bits(value(k*block_values + 1:min(n, (k + 1)*block_values))))
       end do
@@ -70,7 +70,7 @@ contains
       high = -huge(high)
       step = huge(step)
       !$omp parallel do schedule(static) private(first, last) reduction(min:low, step) &
-      !$omp& reduction(max:high) if (n > worth_threads)
+      !$omp& reduction(max:high) if (n > threads_from)
       do k = 0, blocks - 1
          first = max(1_int64, k*block_values)
          last = min(n, (k + 1)*block_values)

@@ -6,7 +6,7 @@
 module gyroakf_stats_fisher
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_special, only : log1p
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
    use gyroakf_chunks, only : block_length
@@ -67,8 +67,7 @@ contains
       call centre_and_scale(x, centred, error, valid, progress)
       if (allocated(error)) return
       allocate (spectrum(0:n/2), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the spectrum of the series")
+      call check_memory(stat, "the spectrum of the series", error)
       if (allocated(error)) return
       call new_real_fft_plan(plan, n, error, progress)
       if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error, progress)
@@ -102,7 +101,7 @@ contains
          return
       end if
       allocate (centred(0:n - 1), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, "no memory for a copy of the series")
+      call check_memory(stat, "a copy of the series", error)
       if (allocated(error)) return
       size_of_all = exponent(max(abs(lowest), abs(highest)))
       lowest = scale(lowest, -size_of_all)
@@ -122,13 +121,9 @@ contains
          mean = mean + sum(centred(i:min(i + block_length, n) - 1))
       end do
       mean = mean/real(number, dp)
-      if (.not. present(valid)) then
-         centred = centred - mean
-         return
-      end if
-      do i = 0, n - 1
-         if (valid(i + 1) /= 0_int8) centred(i) = centred(i) - mean
-      end do
+      centred = centred - mean
+      if (.not. present(valid)) return
+      where (valid == 0_int8) centred = 0.0_dp
    end subroutine centre_and_scale
 
    !> Fisher's test from the Fourier transform of the series.

@@ -12,7 +12,7 @@
 !> the beginning of every stretch, without another pass.
 module gyroakf_stats_lagged_gram
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_stats_trend, only : trend_type, subtract_trend
    use gyroakf_stats_autocovariance, only : autocovariance_type
@@ -77,7 +77,6 @@ contains
 
    subroutine new_matrix(lags, gram, error)
       integer, intent(in) :: lags
-      !> Its terms and levels are set
       type(gram_type), intent(inout) :: gram
       type(error_type), allocatable, intent(out) :: error
       integer :: k, stat
@@ -85,11 +84,8 @@ contains
       gram%lags = lags
       k = gram%terms + gram%levels + lags + 1
       allocate (gram%matrix(k, k), stat=stat)
-      if (stat == 0) then
-         gram%matrix = 0.0_dp
-      else
-         call fatal_error(error, status%no_memory, "no memory for the sums of a regression on lags")
-      end if
+      call check_memory(stat, "the sums of a regression on lags", error)
+      if (.not. allocated(error)) gram%matrix = 0.0_dp
    end subroutine new_matrix
 
    !> The matrix with fewer lags: it has also the first rows of every stretch.

@@ -7,7 +7,8 @@ module gyroakf_stats_lagged_products
    use gyroakf_stats_trend, only : trend_type, subtract_trend
    implicit none (type, external)
    private
-   public :: add_lagged_products, detrended_block, residual_block
+   public :: add_lagged_products, detrended_block, residual_block, add_pair_sums, &
+      covariances_of_pairs
 
 contains
 
@@ -49,6 +50,53 @@ contains
          s(k) = s(k) + s0
       end do
    end subroutine add_lagged_products
+
+   !> Adds the sums over the pairs (t, t - k) of which both samples are present.
+   pure subroutine add_pair_sums(e, flag, m, max_lag, s)
+      !> Samples of a block, and largest lag
+      integer, intent(in) :: m, max_lag
+      !> Samples with their past, 0 where missing; 1 where there is one, else 0: [1-max_lag:m]
+      real(dp), intent(in), contiguous :: e(1 - max_lag:), flag(1 - max_lag:)
+      !> Products, number, later members, earlier members: [0:max_lag, 4]
+      real(dp), intent(inout) :: s(0:max_lag, 4)
+      real(dp) :: earlier
+      integer :: k
+
+      call add_lagged_products(e(1:), e, m, max_lag, s(:, 1))
+      if (sum(flag) > real(m + max_lag, dp) - 0.5_dp) then
+         earlier = sum(e(1:m))
+         s(:, 2) = s(:, 2) + real(m, dp)
+         s(:, 3) = s(:, 3) + earlier
+         do k = 0, max_lag
+            if (k > 0) earlier = earlier + (e(1 - k) - e(m - k + 1))
+            s(k, 4) = s(k, 4) + earlier
+         end do
+      else
+         call add_lagged_products(flag(1:), flag, m, max_lag, s(:, 2))
+         call add_lagged_products(e(1:), flag, m, max_lag, s(:, 3))
+         call add_lagged_products(flag(1:), e, m, max_lag, s(:, 4))
+      end if
+   end subroutine add_pair_sums
+
+   !> Biased autocovariances about a mean, with gaps the means over the pairs times (n - k)/n.
+   pure subroutine covariances_of_pairs(s, mean, n, r, pairs)
+      !> Of `add_pair_sums`: [0:max_lag, 4]; the mean
+      real(dp), intent(in) :: s(0:, :), mean
+      !> Length of the series
+      integer(int64), intent(in) :: n
+      !> Autocovariances, 0 at a lag without pairs; pairs: [0:max_lag]
+      real(dp), intent(out) :: r(0:)
+      integer(int64), intent(out) :: pairs(0:)
+      integer :: k
+
+      pairs = nint(s(:, 2), int64)
+      r = 0.0_dp
+      do k = 0, ubound(r, 1)
+         if (pairs(k) < 1) cycle
+         r(k) = s(k, 1) - mean*(s(k, 3) + s(k, 4)) + s(k, 2)*mean**2
+         r(k) = r(k)*(real(n - k, dp)/s(k, 2))/real(n, dp)
+      end do
+   end subroutine covariances_of_pairs
 
    !> Samples of a stretch less the trend; 0 where one is missing.
    pure subroutine detrended_block(x, trend, first, y, flag, valid)

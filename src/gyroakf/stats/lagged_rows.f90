@@ -6,7 +6,7 @@
 !> somebody else needs: both kernels run over a block while it is in the cache.
 module gyroakf_stats_lagged_rows
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type
    use gyroakf_chunks, only : block_length, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
@@ -76,8 +76,7 @@ contains
          end if
       end if
       allocate (total(lags + 1 + sums + 2*(pass%max_lag + 1)), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the sums of a regression on lags")
+      call check_memory(stat, "the sums of a regression on lags", error)
       if (allocated(error)) return
       call sum_chunks(pass, x, n, trim(merge("unit-root test      ", "rows of the AR model", &
          & reach > lags)), total, error, valid, progress)

@@ -3,7 +3,7 @@
 !> long-run variance at any bandwidth in one pass whose cost does not depend on the bandwidth.
 module gyroakf_stats_long_run
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_chunks, only : block_length, chunk_count, chunk_first, chunk_last
    use gyroakf_chunk_sums, only : chunk_sums_type, sum_chunks
    use gyroakf_progress, only : progress_type
@@ -63,8 +63,7 @@ contains
 
       allocate (products(0:q), stat=stat)
       if (stat == 0) allocate (pass%part(chunk_count(size(x, kind=int64))), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the sums over residuals")
+      call check_memory(stat, "the sums over residuals", error)
       if (allocated(error)) return
       pass%trend = trend
       call sum_chunks(pass, x, size(x, kind=int64), "sums of the residuals", products, error, &

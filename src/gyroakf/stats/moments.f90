@@ -221,7 +221,11 @@ contains
          m3 = m3 + d2*d
          m4 = m4 + d2*d2
       end do
-      s = about_mean(real(n, dp), centre, m1, m2, m3, m4, low, high)
+      d = m1/real(n, dp)                        ! from a centre near the mean to the mean
+      s%mean = centre + d
+      s%m2 = max(m2 - d*m1, 0.0_dp)
+      s%m3 = m3 - 3.0_dp*d*m2 + 2.0_dp*d*d*m1
+      s%m4 = m4 - 4.0_dp*d*m3 + 6.0_dp*d*d*m2 - 3.0_dp*d*d*d*m1
    end function reduce
 
    !> Sums of a block with gaps.
@@ -241,17 +245,6 @@ contains
       s = sums_type()
       if (n > 0) s = reduce(packed(:n), shift, per_unit)
    end function reduce_masked
-
-   !> Moves sums from a centre near the mean to the mean.
-   pure type(sums_type) function about_mean(n, centre, m1, m2, m3, m4, low, high) result(s)
-      real(dp), intent(in) :: n, centre, m1, m2, m3, m4, low, high
-      real(dp) :: d
-
-      d = m1/n
-      s = sums_type(n, centre + d, m2 - d*m1, m3 - 3.0_dp*d*m2 + 2.0_dp*d*d*m1, &
-         & m4 - 4.0_dp*d*m3 + 6.0_dp*d*d*m2 - 3.0_dp*d*d*d*m1, low, high)
-      s%m2 = max(s%m2, 0.0_dp)
-   end function about_mean
 
    !> Sums of two parts together.
    pure type(sums_type) function merged(a, b) result(s)

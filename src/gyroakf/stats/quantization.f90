@@ -2,7 +2,7 @@
 !> Whether the samples of a series stand on a grid, as those of a converter do.
 module gyroakf_stats_quantization
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_chunks, only : threads_from, block_length, chunk_count, chunk_first, chunk_last
    use gyroakf_stats_extremes, only : scan_extremes
    implicit none (type, external)
@@ -109,8 +109,7 @@ contains
          !$omp end critical (gyroakf_quantisation_levels)
          !$omp end parallel
       end if
-      if (bad + stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the levels of the series")
+      call check_memory(bad + stat, "the levels of the series", error)
       if (allocated(error)) return
       result%quantised = fits
       if (fits .and. counted > 0) result%levels = count(seen /= 0_int8, kind=int64)

@@ -65,21 +65,11 @@ contains
       type(trend_type), intent(in) :: trend
       !> Index of the sample, 0-based; any value, beyond the record it is an extrapolation
       integer(int64), intent(in) :: index
-      real(dp) :: t, b, b1, b2
-      integer :: k
+      real(dp) :: value(1)
 
-      evaluate_trend = 0.0_dp
-      if (trend%degree < 0) return
-      t = real(2*index - (trend%samples - 1), dp)/real(max(trend%samples - 1, 1_int64), dp)
-      b1 = 0.0_dp
-      b2 = 0.0_dp
-      do k = trend%degree, 1, -1
-         b = trend%legendre(k) + real(2*k + 1, dp)/real(k + 1, dp)*t*b1 &
-            & - real(k + 1, dp)/real(k + 2, dp)*b2
-         b2 = b1
-         b1 = b
-      end do
-      evaluate_trend = trend%legendre(0) + (t*b1 - 0.5_dp*b2 + trend%remainder)
+      value = 0.0_dp
+      call subtract_trend(trend, index, value)
+      evaluate_trend = 0.0_dp - value(1)
    end function evaluate_trend
 
    !> Subtracts the trend from the whole series, in place; threaded.

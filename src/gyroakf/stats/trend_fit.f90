@@ -222,7 +222,6 @@ contains
    !> Takes the missing samples out, and adds the products of the basis.
    pure subroutine drop_missing(self, valid, q, y, total)
       class(projection_type), intent(in) :: self
-      !> Of some successive samples, and the basis there
       integer(int8), intent(in) :: valid(:)
       real(dp), intent(in) :: q(:, 0:)
       real(dp), intent(inout) :: y(:), total(:)

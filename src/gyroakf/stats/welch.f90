@@ -5,7 +5,7 @@
 !>     ! spectrum%density(k) at spectrum%frequency(k), two-sided, unit^2/Hz for dt in s
 module gyroakf_stats_welch
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : check_sample_interval, error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_special, only : chi_square_quantile
    use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan
@@ -105,8 +105,7 @@ contains
       allocate (part%window(0:part%length - 1), stat=stat)
       if (stat == 0) allocate (spectrum%density(0:part%length/2), stat=stat)
       if (stat == 0) allocate (share(spectrum%segments), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the segments of the spectrum")
+      call check_memory(stat, "the segments of the spectrum", error)
       if (allocated(error)) return
       call report_progress("spectrum", 0_int64, spectrum%segments, error, progress)
       if (allocated(error)) return
@@ -200,8 +199,7 @@ contains
       segments = size(share, kind=int64)
       parts = min(most_parts, segments, max(4_int64, 1048576_int64/part%length))
       allocate (sums(0:part%length/2, parts), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for the segments of the spectrum")
+      call check_memory(stat, "the segments of the spectrum", error)
       if (allocated(error)) return
       if (present(progress) .and. part%length > long_segment) then
          call add_segments(x, part, plan, 1_int64, segments, density, share, error, valid, progress)

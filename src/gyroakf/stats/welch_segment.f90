@@ -2,9 +2,10 @@
 !> Windows, and the periodograms of the segments of a series.
 module gyroakf_stats_welch_segment
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_fft, only : real_fft_plan_type, real_fft_forward
+   use gyroakf_stats_moments, only : first_present
    implicit none (type, external)
    private
    public :: segment_type, make_window, add_segments
@@ -78,22 +79,27 @@ contains
       real(dp), allocatable :: segment(:)
       complex(dp), allocatable :: spectrum(:)
       real(dp) :: energy, factor
-      integer(int64) :: i, first, k
+      integer(int64) :: i, first, last, k
       integer :: stat
 
       share = 0.0_dp
       allocate (segment(0:part%length - 1), stat=stat)
       if (stat == 0) allocate (spectrum(0:part%length/2), stat=stat)
-      if (stat /= 0) call fatal_error(error, status%no_memory, &
-         & "no memory for a segment of the spectrum")
+      call check_memory(stat, "a segment of the spectrum", error)
       if (allocated(error)) return
       energy = sum(part%window**2)
       do i = from, to
          first = (i - 1)*part%step + 1
          call report_progress("spectrum", i - 1, 0_int64, error, progress)
          if (allocated(error)) return
-         call cut(x(first:first + part%length - 1), part, energy, segment, share(i - from + 1), &
-            & first, error, valid, progress)
+         last = first + part%length - 1
+         if (present(valid)) then
+            call cut(x(first:last), part, energy, segment, share(i - from + 1), error, &
+               & valid(first:last), progress)
+         else
+            call cut(x(first:last), part, energy, segment, share(i - from + 1), error, &
+               & progress=progress)
+         end if
          if (allocated(error)) return
          if (share(i - from + 1) <= 0.0_dp) cycle
          call real_fft_forward(plan, segment, spectrum, error, progress)
@@ -107,79 +113,53 @@ contains
    end subroutine add_segments
 
    !> A segment without its mean, times the window, 0 where missing; and the share of it that is
-   !> present. Its first sample is subtracted before the mean is formed: the mean of large values
-   !> would be rounded to a unit in their last place.
-   subroutine cut(x, part, energy, segment, share, first, error, valid, progress)
+   !> present, 0 where that is too little. Its first sample is subtracted before the mean is formed:
+   !> the mean of large values would be rounded to a unit in their last place.
+   subroutine cut(x, part, energy, segment, share, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
       type(segment_type), intent(in) :: part
       real(dp), intent(in) :: energy
       real(dp), intent(out), contiguous :: segment(0:)
       real(dp), intent(out) :: share
-      integer(int64), intent(in) :: first
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       real(dp) :: origin, mean
-      integer(int64) :: t, begin
-
-      if (present(valid)) then
-         call weigh(x, part, first, energy, origin, mean, share, error, valid, progress)
-         if (share < part%min_coverage) share = 0.0_dp
-         if (allocated(error) .or. share <= 0.0_dp) return
-      else
-         share = 1.0_dp
-         origin = 0.0_dp
-         mean = 0.0_dp
-         if (part%detrend) then
-            origin = x(1)
-            mean = sum(x - origin)/real(part%length, dp)
-         end if
-      end if
-      do begin = 0, part%length - 1, report_mask + 1
-         if (begin > 0) call report_progress("spectrum", 0_int64, 0_int64, error, progress)
-         if (allocated(error)) return
-         do t = begin, min(begin + report_mask, part%length - 1)
-            segment(t) = part%window(t)*((x(t + 1) - origin) - mean)
-         end do
-         if (.not. present(valid)) cycle
-         do t = begin, min(begin + report_mask, part%length - 1)
-            if (valid(first + t) == 0_int8) segment(t) = 0.0_dp
-         end do
-      end do
-   end subroutine cut
-
-   !> Mean of the present samples of a segment, and their share of the window's energy.
-   subroutine weigh(x, part, first, energy, origin, mean, share, error, valid, progress)
-      real(dp), intent(in), contiguous :: x(:)
-      type(segment_type), intent(in) :: part
-      integer(int64), intent(in) :: first
-      real(dp), intent(in) :: energy
-      !> The first of them, the mean of what they are beyond it; 0 where the mean stays
-      real(dp), intent(out) :: origin, mean, share
-      type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in) :: valid(:)
-      class(progress_type), intent(inout), optional :: progress
-      real(dp) :: squares
-      integer(int64) :: t, begin, here
+      integer(int64) :: t, begin, finish, here
 
       origin = 0.0_dp
       mean = 0.0_dp
+      if (part%detrend) origin = first_present(x, valid)
       share = 0.0_dp
-      squares = 0.0_dp
       here = 0
       do begin = 0, part%length - 1, report_mask + 1
          if (begin > 0) call report_progress("spectrum", 0_int64, 0_int64, error, progress)
          if (allocated(error)) return
-         do t = begin, min(begin + report_mask, part%length - 1)
-            if (valid(first + t) == 0_int8) cycle
-            here = here + 1
-            squares = squares + part%window(t)**2
-            if (.not. part%detrend) cycle
-            if (here == 1) origin = x(t + 1)
-            mean = mean + ((x(t + 1) - origin) - mean)/real(here, dp)
-         end do
+         finish = min(begin + report_mask, part%length - 1)
+         segment(begin:finish) = x(begin + 1:finish + 1) - origin
+         if (present(valid)) then
+            where (valid(begin + 1:finish + 1) == 0_int8) segment(begin:finish) = 0.0_dp
+            share = share + sum(part%window(begin:finish)**2, mask=valid(begin + 1:finish + 1) /= 0)
+            here = here + count(valid(begin + 1:finish + 1) /= 0_int8, kind=int64)
+         end if
+         if (part%detrend) mean = mean + sum(segment(begin:finish))
       end do
-      if (here > 0) share = squares/energy
-   end subroutine weigh
+      share = share/energy
+      if (.not. present(valid)) share = 1.0_dp
+      if (.not. present(valid)) here = part%length
+      if (share < part%min_coverage) share = 0.0_dp
+      if (share <= 0.0_dp) return
+      mean = mean/real(here, dp)
+      do begin = 0, part%length - 1, report_mask + 1
+         if (begin > 0) call report_progress("spectrum", 0_int64, 0_int64, error, progress)
+         if (allocated(error)) return
+         finish = min(begin + report_mask, part%length - 1)
+         do t = begin, finish
+            segment(t) = part%window(t)*(segment(t) - mean)
+         end do
+         if (.not. present(valid)) cycle
+         where (valid(begin + 1:finish + 1) == 0_int8) segment(begin:finish) = 0.0_dp
+      end do
+   end subroutine cut
 
 end module gyroakf_stats_welch_segment
