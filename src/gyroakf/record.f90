@@ -21,7 +21,7 @@ module gyroakf_record
 
    !> What was found while reading
    type :: audit_type
-      !> Samples per channel, missing ones included; those that are missing, summed over the channels
+      !> Samples per channel, missing ones included; those that are missing, in all channels
       integer(int64) :: samples = 0, missing = 0
       !> Places where the stamps show that samples were lost for good; those of them that are too
       !> long to be filled with missing samples

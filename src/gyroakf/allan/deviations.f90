@@ -37,12 +37,14 @@ module gyroakf_allan_deviations
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
+   use gyroakf_allan_block_sums, only : block_sums_type, sum_blocks
    use gyroakf_allan_curve, only : allan_curve_type, fill_curve, fill_limits, fill_octaves
    use gyroakf_allan_gaps, only : allan_variances
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_identification, only : identify_noise
-   use gyroakf_allan_phase, only : integrate_rate, level_phase
+   use gyroakf_allan_phase, only : integrate_blocks, level_phase
    use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor
+   use gyroakf_allan_thin_phase, only : choose_step, fill_from_few_phases
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
@@ -87,19 +89,32 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
+      type(block_sums_type) :: blocks
       real(dp), allocatable :: phase(:)
       integer(int32), allocatable :: missing(:)
       integer(int64), allocatable :: m(:)
+      integer :: place
 
       call check_arguments(sample_interval, options, error)
       if (.not. allocated(error)) call choose_factors(options, size(rate, kind=int64), &
          & sample_interval, m, error)
       if (.not. allocated(error)) call report_progress("Allan deviation", 0_int64, 0_int64, error, &
          & progress)
+      if (.not. allocated(error)) call sum_blocks(rate, blocks, error, valid)
       if (allocated(error)) return
-      call integrate_rate(rate, phase, missing, error, valid, progress)
-      if (.not. allocated(error)) call curve_of_phase(phase, missing, m, sample_interval, options, &
-         & curve, error, progress)
+      call begin_curve(options, size(rate, kind=int64), sample_interval, curve)
+      place = 0
+      if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) then
+         place = choose_step(size(rate, kind=int64), m)
+      end if
+      if (place > 0) then
+         call fill_from_few_phases(rate, blocks, m, place, options%min_coverage, curve, error, &
+            & progress)
+      else
+         call integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
+         if (.not. allocated(error)) call curve_of_phase(phase, missing, m, options, curve, error, &
+            & progress)
+      end if
    end subroutine compute_allan
 
    !> The same from phases (angles of a rate gyroscope): the integral of the rate at the ends of the
@@ -128,7 +143,8 @@ contains
          & 0_int64), sample_interval, m, error)
       if (.not. allocated(error)) call level_phase(phase, sample_interval, level, error)
       if (allocated(error)) return
-      call curve_of_phase(level, missing, m, sample_interval, options, curve, error)
+      call begin_curve(options, size(phase, kind=int64) - 1, sample_interval, curve)
+      call curve_of_phase(level, missing, m, options, curve, error)
    end subroutine compute_allan_from_phase
 
    !> Averaging factors that the statistic can have.
@@ -159,14 +175,26 @@ contains
       end if
    end subroutine choose_factors
 
+   !> What the arguments say of the curve.
+   pure subroutine begin_curve(options, samples, sample_interval, curve)
+      type(allan_options), intent(in) :: options
+      integer(int64), intent(in) :: samples
+      real(dp), intent(in) :: sample_interval
+      type(allan_curve_type), intent(inout) :: curve
+
+      curve%kind = options%kind
+      curve%samples = samples
+      curve%sample_interval = sample_interval
+      curve%confidence = options%confidence
+   end subroutine begin_curve
+
    !> The curve from the integral of the record.
-   subroutine curve_of_phase(phase, missing, m, sample_interval, options, curve, error, progress)
+   subroutine curve_of_phase(phase, missing, m, options, curve, error, progress)
       !> Phase in units of rate times sample: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
       !> Missing samples so far: [0:n], unallocated when every sample is there
       integer(int32), allocatable, intent(in) :: missing(:)
       integer(int64), intent(in) :: m(:)
-      real(dp), intent(in) :: sample_interval
       type(allan_options), intent(in) :: options
       type(allan_curve_type), intent(inout) :: curve
       type(error_type), allocatable, intent(out) :: error
@@ -177,10 +205,6 @@ contains
       logical, allocatable :: shown(:)
       integer :: stat
 
-      curve%kind = options%kind
-      curve%samples = ubound(phase, 1, kind=int64)
-      curve%sample_interval = sample_interval
-      curve%confidence = options%confidence
       call add_octaves(options%kind, ubound(phase, 1, kind=int64), m, all_m, shown)
       allocate (variance(size(all_m)), stat=stat)
       if (stat == 0) allocate (terms(size(all_m)), stat=stat)

@@ -14,7 +14,7 @@ module gyroakf_allan_noise_identification
    use gyroakf_allan_gaps, only : window_coverage
    implicit none (type, external)
    private
-   public :: identify_noise
+   public :: identify_noise, means_max
 
    !> Means that an identification needs
    integer(int64), parameter :: means_min = 30

@@ -16,7 +16,7 @@ module gyroakf_allan_phase
       & parallel_from, present_sample, sum_blocks
    implicit none (type, external)
    private
-   public :: integrate_rate, level_phase
+   public :: integrate_rate, integrate_blocks, integrate_stretch, level_phase
 
    !> Blocks between two reports of progress, a multiple of four
    integer(int64), parameter :: report_blocks = 512
@@ -42,11 +42,32 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(block_sums_type) :: blocks
+
+      call sum_blocks(rate, blocks, error, valid)
+      if (.not. allocated(error)) call integrate_blocks(rate, blocks, phase, missing, error, &
+         & valid, progress)
+   end subroutine integrate_rate
+
+   !> The second pass of [[integrate_rate]].
+   subroutine integrate_blocks(rate, blocks, phase, missing, error, valid, progress)
+      !> Rate samples: [n]
+      real(dp), intent(in), contiguous :: rate(:)
+      !> From [[sum_blocks]]
+      type(block_sums_type), intent(in) :: blocks
+      !> The integral: [0:n]
+      real(dp), allocatable, intent(out) :: phase(:)
+      !> Missing samples so far: [0:n], unallocated when every sample is there
+      integer(int32), allocatable, intent(out) :: missing(:)
+      !> no_memory, cancelled
+      type(error_type), allocatable, intent(out) :: error
+      !> 1 present, 0 missing: [n]
+      integer(int8), intent(in), optional :: valid(:)
+      !> Progress callback; may cancel
+      class(progress_type), intent(inout), optional :: progress
+
       integer(int64) :: n, number, from, step, group, b, first, last, lost
       integer :: stat
 
-      call sum_blocks(rate, blocks, error, valid)
-      if (allocated(error)) return
       n = size(rate, kind=int64)
       number = size(blocks%offset, kind=int64)
       lost = blocks%absent(number + 1)
@@ -87,7 +108,7 @@ contains
          end do
          !$omp end parallel do
       end do
-   end subroutine integrate_rate
+   end subroutine integrate_blocks
 
    !> Phases without the straight line through the first and the last, in units of rate times
    !> sample.
@@ -128,28 +149,37 @@ contains
       !$omp end parallel do simd
    end subroutine level_phase
 
-   !> Neighboring phases of a record without gaps, of four blocks at most.
+   !> Neighboring phases of a record without gaps, four complete blocks at a time.
    pure subroutine integrate_stretch(rate, mean, offset, phase)
       !> Samples from the beginning of a block on
       real(dp), intent(in), contiguous :: rate(:)
+      !> Taken off each
       real(dp), intent(in) :: mean
       !> Phase before each block
       real(dp), intent(in), contiguous :: offset(:)
+      !> The phases: [size(rate)]
       real(dp), intent(inout), contiguous :: phase(:)
 
-      integer(int64) :: first, k
+      integer(int64) :: first, k, b
       real(dp) :: s
 
-      if (size(rate, kind=int64) == 4*block_length) then
-         call integrate_four(rate, mean, offset, phase)
-         return
-      end if
-      do first = 0, size(rate, kind=int64) - 1, block_length
-         s = 0
-         do k = first + 1, min(first + block_length, size(rate, kind=int64))
-            s = s + (rate(k) - mean)
-            phase(k) = offset(first/block_length + 1) + s
-         end do
+      first = 0
+      b = 1
+      do while (first < size(rate, kind=int64))
+         if (first + 4*block_length <= size(rate, kind=int64)) then
+            call integrate_four(rate(first + 1:first + 4*block_length), mean, offset(b:b + 3), &
+               & phase(first + 1:first + 4*block_length))
+            b = b + 4
+            first = first + 4*block_length
+         else
+            s = 0
+            do k = first + 1, min(first + block_length, size(rate, kind=int64))
+               s = s + (rate(k) - mean)
+               phase(k) = offset(b) + s
+            end do
+            b = b + 1
+            first = first + block_length
+         end if
       end do
    end subroutine integrate_stretch
 
@@ -181,6 +211,7 @@ contains
    !> One block of a record with gaps.
    pure subroutine integrate_gapped(rate, first, last, mean, offset, absent, phase, missing, valid)
       real(dp), intent(in), contiguous :: rate(:)
+      !> First and last sample of the block
       integer(int64), intent(in) :: first, last
       !> Taken off each; phase and missing samples before the block
       real(dp), intent(in) :: mean, offset
