@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Prepares a machine for gyroakf, then runs the command it is given with optimising flags:
+# Prepares a machine for gyroakf, then runs the command it is given with optimizing flags:
 #
 #   ./setup.sh fpm run gyroakf -- example/data/mems_gyro_x.txt
 #   ./setup.sh fpm test
@@ -233,7 +233,7 @@ done
 
 # --- flags -----------------------------------------------------------------------------------
 # Without --profile fpm builds for debugging. No fused multiply-add of real
-# numbers by the compiler's choice: results depend less on the optimisation. Where a variable is kept, line by
+# numbers by the compiler's choice: results depend less on the optimization. Where a variable is kept, line by
 # line, takes the compiler much of its time, most with sanitizers, and no backtrace tells it.
 : "${FPM_FFLAGS=-O3 $native -ffp-contract=off -fPIC -g -fno-var-tracking -fbacktrace}"
 : "${FPM_CFLAGS=-O3 $native -ffp-contract=off -fPIC -g}"

@@ -47,8 +47,8 @@ module gyroakf_app_config
       type(series_output_type) :: series
       !> File of the true drift, read by run and filter, written by simulate
       character(:), allocatable :: truth
-      !> Colours of the report: "auto", "always", "never"; no signs beyond ASCII in it
-      character(6) :: colour = "auto"
+      !> Colors of the report: "auto", "always", "never"; no signs beyond ASCII in it
+      character(6) :: color = "auto"
       logical :: ascii = .false.
       !> Draw the Allan deviation in characters; the report has everything, not the first screen
       !> alone

@@ -88,7 +88,7 @@ contains
       character(:), allocatable :: text
 
       text = "gyroakf "//release_string// &
-         ": random errors of gyroscopes, characterised and compensated."//nl//nl//"The method:"// &
+         ": random errors of gyroscopes, characterized and compensated."//nl//nl//"The method:"// &
          nl//wrapped(trim(references(1)), 3)//"The Allan deviation and its uncertainty:"//nl// &
          wrapped(trim(references(2)), 3)//wrapped(trim(references(3)), 3)// &
          "The adaptive filter:"//nl//wrapped(trim(references(4)), 3)

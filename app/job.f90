@@ -173,7 +173,7 @@ contains
          return
       end if
       if (config%quiet) return
-      call open_report(writer, config%colour, config%ascii, error)
+      call open_report(writer, config%color, config%ascii, error)
       if (allocated(error)) return
       if (config%command == "inspect") then
          call report_inspect(writer, record)

@@ -9,7 +9,7 @@ module gyroakf_app_many
       writer_type
    use gyroakf_pipeline, only : pipeline_result_type
    use gyroakf_record, only : record_type, text_type
-   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, &
+   use gyroakf_report_summary, only : summarize, summary_row_type, write_summary_csv, &
       write_summary_json, write_summary_table
    use gyroakf_app_check, only : check_existing, is_result
    use gyroakf_app_config, only : config_type
@@ -73,15 +73,15 @@ contains
       call do_job(job, bar, record, result, error)
       if (.not. allocated(error)) then
          if (job%command == "inspect") then
-            call summarise(job%command, job%path, job%out, record, row)
+            call summarize(job%command, job%path, job%out, record, row)
          else
-            call summarise(job%command, job%path, job%out, record, row, result)
+            call summarize(job%command, job%path, job%out, record, row, result)
          end if
          return
       end if
       if (error%code == status%cancelled) return
       call name_options(error%message)
-      call summarise(job%command, job%path, "", unread, row, code=exit_code(error%code), &
+      call summarize(job%command, job%path, "", unread, row, code=exit_code(error%code), &
                      message=with_path(job%path, error%message))
       deallocate (error)
    end subroutine work_on_one
@@ -142,7 +142,7 @@ contains
 
       as_json = config%file(1)%text == "-"
       if (config%quiet .and. .not. as_json) return
-      call open_report(writer, config%colour, config%ascii, error)
+      call open_report(writer, config%color, config%ascii, error)
       if (allocated(error)) return
       if (as_json) call write_summary_json(writer, config%command, rows)
       if (.not. as_json) call write_summary_table(writer, rows)

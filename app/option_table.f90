@@ -52,7 +52,7 @@ module gyroakf_app_option_table
       "inspect", "what the file holds: format, columns, rate, gaps, jitter, repeats, range, step", &
       "allan", &
       "deviation with limits, coefficients Q N B K R with errors, change during the record", &
-      "tests", "stationarity, normality, quantisation, whiteness, periodicity of the series", &
+      "tests", "stationarity, normality, quantization, whiteness, periodicity of the series", &
       "ar", "order table by every criterion, coefficients with standard errors, residuals", &
       "filter", "Kalman filter and adaptive Kalman filter: filtered series and diagnostics", &
       "simulate", "a record with known noise: Q N B K R, AR terms, trend, outliers, seed", &
@@ -65,7 +65,7 @@ module gyroakf_app_option_table
    character(8), parameter :: all_names(*) = commands(1, :)(:8)
    character(8), parameter :: command_names(*) = all_names(:size(all_names) - 2)
 
-   character(*), parameter :: analysing = "run allan tests ar filter"
+   character(*), parameter :: analyzing = "run allan tests ar filter"
    character(*), parameter :: reading = "run inspect allan tests ar filter"
    character(*), parameter :: any_command = reading//" simulate selftest"
 
@@ -73,7 +73,7 @@ module gyroakf_app_option_table
    type(group_type), parameter :: groups(*) = [ &
       group_type("input", "Reading", reading), &
       group_type("preset", "Preset", "run"), &
-      group_type("clean", "Cleaning", analysing), &
+      group_type("clean", "Cleaning", analyzing), &
       group_type("tests", "Tests", "run tests"), &
       group_type("ar", "AR model", "run ar filter"), &
       group_type("filter", "Filters", "run filter"), &
@@ -124,7 +124,7 @@ module gyroakf_app_option_table
       option_type("--to", "S", "positive", "input", "end S seconds after the first sample", &
          frequent=.true.), &
       option_type("--decimal-comma", "", "flag", "input", &
-         "every comma in the file is a decimal comma, as in 1,5; recognised by itself where "// &
+         "every comma in the file is a decimal comma, as in 1,5; recognized by itself where "// &
          "semicolons, tabs or blanks part the columns"), &
       option_type("--bad-lines", "error|missing", "choice", "input", "a line that cannot be "// &
          "read is an error (default), or marked missing and counted", argument="bad_lines_missing")]
@@ -245,7 +245,7 @@ module gyroakf_app_option_table
       option_type("--output", "FILE", "text", "record", &
          "write FILE instead of standard output; FILE.npy and FILE.f64 are binary"), &
       option_type("--truth", "FILE", "text", "record", &
-         "write the true drift too: all but quantisation and white noise (Q, N), vibration, "// &
+         "write the true drift too: all but quantization and white noise (Q, N), vibration, "// &
          "motion, outliers, rounding and losses; filtered as the record")]
 
    type(option_type), parameter :: common_options(*) = [ &
@@ -266,12 +266,12 @@ module gyroakf_app_option_table
          "reference sensor) on the record's grid: RMSE of every filter", commands="run filter"), &
       option_type("--chart", "on|off", "choice", "output", "draw the Allan deviation in "// &
          "characters in the report (default on)", commands="run allan"), &
-      option_type("--color", "auto|always|never", "choice", "output", "colours in the report "// &
+      option_type("--color", "auto|always|never", "choice", "output", "colors in the report "// &
          "on standard output; auto (default): on a terminal, unless NO_COLOR is set"), &
       option_type("--ascii", "", "flag", "output", &
          "the report on standard output in ASCII (default where the locale is not UTF-8)"), &
       option_type("--details", "", "flag", "output", "print every table, test and model "// &
-         "(default: one screen)", commands=analysing, frequent=.true.), &
+         "(default: one screen)", commands=analyzing, frequent=.true.), &
       option_type("--force", "", "flag", "output", "overwrite existing files that are no "// &
          "results of gyroakf; without it they are kept", commands=any_command), &
       option_type("--quiet", "", "flag", "output", "print no report", &

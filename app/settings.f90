@@ -236,7 +236,7 @@ contains
       case ("--memory"); config%reader%memory = value%count
       case ("--chart"); config%chart = value%text == "on"
       case ("--details"); config%details = .true.
-      case ("--color"); config%colour = value%text
+      case ("--color"); config%color = value%text
       case ("--ascii"); config%ascii = .true.
       case ("--preset"); call set_sensor(config%record, value%text, error)
          if (value%text == "paper") config%series%digits = 9

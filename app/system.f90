@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> What the program needs of the system (POSIX): signals; what standard output can show: signs
-!> beyond ASCII by the locale, colours by what it is.
+!> beyond ASCII by the locale, colors by what it is.
 !>
 !> While nothing is written a signal (Ctrl-C, a request to end) ends the program at once, as it does
 !> every program. Under [[guard_files]] it only sets a flag, see [[interrupted]]: what was written
@@ -141,11 +141,11 @@ contains
    end function ignore_signal
 
    !> Opens standard output for a report.
-   subroutine open_report(writer, colour, ascii, error)
+   subroutine open_report(writer, color, ascii, error)
       !> Open on standard output
       type(writer_type), intent(out) :: writer
       !> "auto": on a terminal, unless NO_COLOR is set or TERM is dumb; "always"; "never"
-      character(*), intent(in) :: colour
+      character(*), intent(in) :: color
       !> Whatever the locale is
       logical, intent(in) :: ascii
       !> io
@@ -154,8 +154,8 @@ contains
       call open_writer(writer, "-", error)
       if (allocated(error)) return
       writer%unicode = .not. ascii .and. locale_is_utf8()
-      writer%colour = colour == "always"
-      if (colour == "auto") writer%colour = c_isatty(1_c_int) == 1 .and. &
+      writer%color = color == "always"
+      if (color == "auto") writer%color = c_isatty(1_c_int) == 1 .and. &
          variable("NO_COLOR") == "" .and. variable("TERM") /= "dumb" .and. variable("TERM") /= ""
    end subroutine open_report
 

@@ -4,7 +4,7 @@
 # The last line is "N passed, N failed".
 set -u
 cd "$(dirname "$0")/.." || exit 1
-# not optimised: it is about what builds and links
+# not optimized: it is about what builds and links
 export FPM_FFLAGS="-O0 -ffp-contract=off -fPIC" FPM_CFLAGS="-O0 -fPIC"
 ./setup.sh true || exit 1
 cd example/consumer || exit 1

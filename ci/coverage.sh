@@ -4,7 +4,7 @@
 #
 # Builds the library with gcov's counters, runs the Fortran suites and the C tests, and prints the modules with the smallest shares
 # and the sum. OBJECTS: a directory with counters of another build; nothing is built or run then. SHOWN=50: so many modules. Not a
-# step of CI: it takes as long as all tests without optimisation.
+# step of CI: it takes as long as all tests without optimization.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 objects=${1:-build/coverage}

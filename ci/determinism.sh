@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The program built in two ways gives the same numbers:   ci/determinism.sh PROGRAM PROGRAM
 #
-# such as the optimised and the checked one. All of results.json agrees to 1e-10, but for the command line. Of two
+# such as the optimized and the checked one. All of results.json agrees to 1e-10, but for the command line. Of two
 # kinds of numbers the difference is not that relative to the number:
 #   - residuals of the Allan fit are logarithms of ratios, some near 0: their difference is the relative difference of the ratio;
 #   - means of series that have none, such as residuals and innovations of least squares: below 1e-15 they are rounding.

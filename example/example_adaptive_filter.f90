@@ -22,5 +22,5 @@ program example_adaptive_filter
    if (.not. allocated(error)) call filter_series(filter, record%value(:, 1), x, quality, error)
    if (allocated(error)) error stop error%message
    print "(a, f0.1, a)", "correlation time ", drift%correlation_samples*record%sample_interval, " s"
-   print "(a, f0.3)", "mean normalised innovation squared ", quality%nis_mean
+   print "(a, f0.3)", "mean normalized innovation squared ", quality%nis_mean
 end program example_adaptive_filter

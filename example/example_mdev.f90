@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Modified Allan deviation: it tells quantisation (slope -3/2) from other short-time noise, which the Allan deviation
+!> Modified Allan deviation: it tells quantization (slope -3/2) from other short-time noise, which the Allan deviation
 !> (slope -1) does not.
 program example_mdev
    use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, allan_options, allan_curve_type, &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Which power law comes nearest at each averaging time: 2 quantisation, 0 white, -1 flicker, -2 random walk.
+!> Which power law comes nearest at each averaging time: 2 quantization, 0 white, -1 flicker, -2 random walk.
 program example_noise_identification
    implicit none (type, external)
 

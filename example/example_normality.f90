@@ -3,7 +3,7 @@
 program example_normality
    use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, moments_type, compute_moments, &
       jarque_bera_type, test_jarque_bera, anderson_darling_options, anderson_darling_type, test_anderson_darling, judge_normality, &
-      quantisation_type, find_quantisation
+      quantization_type, find_quantization
    implicit none (type, external)
    call show
 contains
@@ -14,7 +14,7 @@ contains
       type(moments_type) :: moments
       type(jarque_bera_type) :: jb
       type(anderson_darling_type) :: ad
-      type(quantisation_type) :: grid
+      type(quantization_type) :: grid
 
       options%samples = 20000
       options%coefficient(2) = 0.02_dp
@@ -25,7 +25,7 @@ contains
          call compute_moments(x, moments)
          call test_jarque_bera(moments, jb, error)
          if (.not. allocated(error)) call test_anderson_darling(x, anderson_darling_options(), ad, error)
-         if (.not. allocated(error)) call find_quantisation(x, moments%std, grid, error)
+         if (.not. allocated(error)) call find_quantization(x, moments%std, grid, error)
       end associate
       if (allocated(error)) error stop error%message
       print "(a, f0.2, 2a)", "Jarque-Bera ", jb%statistic, ": ", &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Random errors of gyroscopes, characterised and compensated.
+!> Random errors of gyroscopes, characterized and compensated.
 !>
 !> The public interface under one name; this module holds no code. Module names give the source
 !> files: `gyroakf_allan_deviations` is in `src/gyroakf/allan/deviations.f90`.
@@ -26,7 +26,7 @@ module gyroakf
    use gyroakf_preprocess_clean, only : clean_options, clean_type, clean_series
    use gyroakf_stats_trend, only : trend_type, remove_trend, evaluate_trend
    use gyroakf_stats_trend_fit, only : fit_trend
-   use gyroakf_stats_quantization, only : quantisation_type, find_quantisation
+   use gyroakf_stats_quantization, only : quantization_type, find_quantization
    ! Allan deviation and its relatives, noise coefficients, change during the record
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan, &

@@ -51,7 +51,7 @@ program test_main
    use test_legacy, only : suite_legacy
    use test_moments, only : suite_moments
    use test_normality, only : suite_normality, suite_anderson
-   use test_quantisation, only : suite_quantisation
+   use test_quantization, only : suite_quantization
    use test_sort, only : suite_sort
    use test_npy, only : suite_npy
    use test_number, only : suite_number
@@ -148,7 +148,7 @@ program test_main
    call add("normality", suite_normality)
    call add("anderson", suite_anderson)
    call add("html", suite_html)
-   call add("quantisation", suite_quantisation)
+   call add("quantization", suite_quantization)
    call add("sort", suite_sort)
    call add("npy", suite_npy)
    call add("number", suite_number)

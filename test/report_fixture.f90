@@ -56,10 +56,10 @@ contains
       record%rate_source = "none"
       record%unit_source = "none"
       record%audit%samples = 12
-      allocate (record%audit%minimum(1), record%audit%maximum(1), record%audit%quantisation(1))
+      allocate (record%audit%minimum(1), record%audit%maximum(1), record%audit%quantization(1))
       record%audit%minimum = 0.25_dp
       record%audit%maximum = 3.0_dp
-      record%audit%quantisation = 0.25_dp
+      record%audit%quantization = 0.25_dp
       if (.not. known) return
       record%sample_interval = 0.2_dp
       record%rate_known = .true.
@@ -276,13 +276,13 @@ contains
       channel%anderson_darling%p_value = 0.0668_dp
       channel%anderson_darling%samples = 5994
       channel%anderson_darling%stride = 2
-      channel%available%quantisation = .true.
-      channel%quantisation%quantised = .true.
-      channel%quantisation%step = 0.0114_dp
-      channel%quantisation%ratio = 0.5_dp
-      channel%quantisation%variance_share = 0.0208_dp
-      channel%quantisation%levels = 17
-      channel%quantisation%corrected_std = 0.02265_dp
+      channel%available%quantization = .true.
+      channel%quantization%quantized = .true.
+      channel%quantization%step = 0.0114_dp
+      channel%quantization%ratio = 0.5_dp
+      channel%quantization%variance_share = 0.0208_dp
+      channel%quantization%levels = 17
+      channel%quantization%corrected_std = 0.02265_dp
    end subroutine fill_distribution
 
    subroutine fill_model(channel)

@@ -28,7 +28,7 @@ contains
       call test("direct_sum", test_direct_sum)
       call test("quadruple", test_quadruple)
       call test("octave_pairs", test_octave_pairs)
-      call test("gaps_quantised", test_gaps_quantised)
+      call test("gaps_quantized", test_gaps_quantized)
       call test("gaps_ramp", test_gaps_ramp)
       call test("gaps_strict", test_gaps_strict)
       call test("non_finite", test_non_finite)
@@ -207,7 +207,7 @@ contains
       where (valid == 0) rate = 1.0e6_dp
    end subroutine lose
 
-   subroutine test_gaps_quantised()
+   subroutine test_gaps_quantized()
       ! 0.3 % of the samples lost from differenced white noise: at m = 100 the lost samples double the variance
       integer, parameter :: n = 200000
       type(allan_curve_type) :: curve, whole
@@ -221,7 +221,7 @@ contains
       call lose(rate, 0.003_dp, 77, valid)
       if (no_curve("oadev", rate, "1,10,50,100", curve, valid)) return
       call agree(curve%deviation, whole%deviation, 0.08_dp, "deviation with and without gaps")
-   end subroutine test_gaps_quantised
+   end subroutine test_gaps_quantized
 
    subroutine test_gaps_ramp()
       ! a deterministic drift is hardly touched by lost samples or their correction

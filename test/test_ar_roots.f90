@@ -8,7 +8,7 @@ module test_ar_roots
    use expectations, only : problem, test, error, check, went_wrong, check_refused
    use gyroakf_stats_autocovariance, only : compute_autocovariance
    use gyroakf_ar_model, only : ar_model_type, ar_options, ar_spectrum, fit_ar
-   use gyroakf_ar_residuals, only : analyse_residuals
+   use gyroakf_ar_residuals, only : analyze_residuals
    use gyroakf_stats_moments, only : compute_moments, moments_type
    use series_library, only : reference_series
    implicit none (type, external)
@@ -174,7 +174,7 @@ contains
       x = reference_series("ar2", 20000) + 50.0_dp
       valid = merge(0_int8, 1_int8, cshift(reference_series("unif", 20000), 50) < 0.05_dp)
       valid(5000:12000) = 1_int8
-      call analyse_residuals(x, 49.0_dp, phi, 0.25_dp, 25, r, pairs, moments, problem, valid)
+      call analyze_residuals(x, 49.0_dp, phi, 0.25_dp, 25, r, pairs, moments, problem, valid)
       if (went_wrong(problem)) return
       row = valid(3:)*valid(2:19999)*valid(:19998)
       e = x(3:) - 49.0_dp - phi(1)*(x(2:19999) - 49.0_dp) - phi(2)*(x(:19998) - 49.0_dp)

@@ -31,7 +31,7 @@ contains
       call test("disturbed_stretch", test_disturbed_stretch)
       call test("to_and_fro", test_to_and_fro)
       call test("offset_scale", test_offset_scale)
-      call test("quantised", test_quantised)
+      call test("quantized", test_quantized)
       call test("constant", test_constant)
       call test("missing", test_missing)
       call test("nothing_removed", test_nothing_removed)
@@ -183,7 +183,7 @@ contains
    end subroutine test_offset_scale
 
    !> Nine of ten samples on one level: MAD 0. The neighboring levels stay, the spike goes.
-   subroutine test_quantised()
+   subroutine test_quantized()
       real(dp), allocatable :: x(:)
       integer :: i
 
@@ -193,7 +193,7 @@ contains
          call clean_series(x, clean_options(degree=0, method=merge("mad ", "auto", i == 1)), cleaned, mask, result, problem)
          call marks_are([1000])
       end do
-   end subroutine test_quantised
+   end subroutine test_quantized
 
    !> A constant series, at any offset and degree, has no outlier; nor has a straight line.
    subroutine test_constant()

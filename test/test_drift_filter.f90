@@ -156,7 +156,7 @@ contains
             do while (last < n)
                first = last + 1
                last = min(n, first + mod(13*first, 101))
-               call run_filter(filter, gaps(first:last), y(first:last), normalised_innovation=w(first:last))
+               call run_filter(filter, gaps(first:last), y(first:last), normalized_innovation=w(first:last))
             end do
             call check(error, all(abs(x - y) <= 0) .and. all(abs(v - w) <= 0), "parts differ from the run")
             call check(error, filter%steps == n .and. filter%measurements == count(valid /= 0), "the counts are wrong")
@@ -309,12 +309,12 @@ contains
          model = some_model(processes)
          if (processes == 1) model%phi(1) = 1
          if (not_made(filter, model, spread(.true., 1, processes), adaptive())) return
-         call run_filter(filter, [ieee_value(x(1), ieee_quiet_nan), 7.0_dp], x(:2), normalised_innovation=v(:2))
+         call run_filter(filter, [ieee_value(x(1), ieee_quiet_nan), 7.0_dp], x(:2), normalized_innovation=v(:2))
          call check(error, abs(x(1)) <= 0 .and. abs(v(1)) <= 0 .and. abs(v(2)) <= 0, "there is an innovation at the start")
          call check(error, x(2), 7.0_dp, thr=rounding)
          call check(error, filter%wait == 20 .and. filter%measurements == 1, "the adaptation counts the first measurement")
          if (processes < 3) call check(error, filter%p(1, 1), 2.0_dp, thr=rounding)
-         call run_filter(filter, [8.0_dp, 9.0_dp], x(:2), normalised_innovation=v(:2))
+         call run_filter(filter, [8.0_dp, 9.0_dp], x(:2), normalized_innovation=v(:2))
          call check(error, v(1) > 0 .and. filter%wait == 18, "the second measurement has no innovation")
       end do
       if (not_made(filter, some_model(2), [.true., .true.], filter_options())) return
@@ -435,7 +435,7 @@ contains
          if (processes == 1) model%phi(1) = 1
          call make_data(130, model, z)
          if (not_made(filter, model, spread(.true., 1, processes), filter_options())) return
-         call run_filter(filter, z, x, normalised_innovation=v)
+         call run_filter(filter, z, x, normalized_innovation=v)
          if (not_made(filter, model, spread(.true., 1, processes), filter_options())) return
          call filter_series(filter, z, x, result, failure)
          if (went_wrong(failure, "the series is not filtered")) return

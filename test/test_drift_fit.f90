@@ -24,7 +24,7 @@ contains
       call test("nested", test_nested)
       call test("nothing", test_nothing)
       call test("ridge", test_ridge)
-      call test("quantised", test_quantised)
+      call test("quantized", test_quantized)
       call test("reversal", test_reversal)
       call test("short-reversal", test_short_reversal)
       call test("gaps", test_gaps)
@@ -152,7 +152,7 @@ contains
 
    !> Rounded to steps as large as the noise less the angle that is carried on, as a counter of angle does: the noise has a negative
    !> correlation, and the model of both processes finds it beside the walk.
-   subroutine test_quantised()
+   subroutine test_quantized()
       type(drift_fit_type) :: fit
       real(dp) :: z(6000), angle
       integer :: seed, k
@@ -174,7 +174,7 @@ contains
             call check(error, best%model%q(2), 0.0025_dp, thr=0.5_dp, rel=.true.)
          end associate
       end do
-   end subroutine test_quantised
+   end subroutine test_quantized
 
    subroutine test_walk()
       type(drift_fit_type) :: fit

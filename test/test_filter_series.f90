@@ -42,7 +42,7 @@ contains
       call new_filter(filter, [0.8_dp, 0.1_dp], 0.2_dp, 2.0_dp, filter_options(), failure)
       other = filter
       call filter_series(filter, z, x, result, failure)
-      call run_filter(other, z, y, normalised_innovation=nu)
+      call run_filter(other, z, y, normalized_innovation=nu)
       call check(error, maxval(abs(x - y)), 0.0_dp)
       mean = sum(x)/size(x)
       call check(error, result%mean, mean, thr=rounding)

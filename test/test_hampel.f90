@@ -21,7 +21,7 @@ contains
       call test("gaps", test_gaps)
       call test("few_present", test_few_present)
       call test("level", test_level)
-      call test("quantised", test_quantised)
+      call test("quantized", test_quantized)
       call test("offset_scale", test_offset_scale)
       call test("false_alarms", test_false_alarms)
       call test("cleaning", test_cleaning)
@@ -200,7 +200,7 @@ contains
    end subroutine test_level
 
    !> Counts 0 and 1, one in nine a 1, so that every MAD is 0: none is an outlier, neither by hampel nor by any other rule.
-   subroutine test_quantised()
+   subroutine test_quantized()
       character(6), parameter :: method(4) = [character(6) :: "hampel", "auto", "pauta", "mad"]
       real(dp), allocatable :: x(:), cleaned(:)
       integer(int8), allocatable :: mask(:)
@@ -222,7 +222,7 @@ contains
          call clean_series(x, clean_options(degree=0, method=method(i)), cleaned, mask, result, problem)
          call check(error, int(result%removed), 1, trim(method(i))//" misses the only glitch of a dead sensor")
       end do
-   end subroutine test_quantised
+   end subroutine test_quantized
 
    !> Offset 1e6 with noise of 1e-3, and a scale of a power of two, change no mark.
    subroutine test_offset_scale()

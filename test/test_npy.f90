@@ -218,7 +218,7 @@ contains
       end do
    end subroutine test_spellings
 
-   !> NaN, signalling ones too, and infinities are missing samples.
+   !> NaN, signaling ones too, and infinities are missing samples.
    subroutine test_missing()
       type(record_type) :: record
       character(:), allocatable :: content

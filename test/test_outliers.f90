@@ -4,7 +4,7 @@ module test_outliers
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : status
    use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, mark_outliers, &
-      & robust_centre
+      & robust_center
    use gyroakf_stats_extremes, only : scan_extremes
    use gyroakf_select, only : find_deviation, find_median
    use series_library, only : reference_series
@@ -146,15 +146,15 @@ contains
    !> errors move it by a third, not by 1e6.
    subroutine test_robust()
       real(dp), allocatable :: x(:)
-      real(dp) :: centre, scale
+      real(dp) :: center, scale
 
       x = reference_series("wn_bm", 20000)
-      call robust_centre(x, centre, scale, problem)
+      call robust_center(x, center, scale, problem)
       if (went_wrong(problem)) return
       call check(error, scale, 1.0_dp, thr=0.025_dp)
-      call check(error, centre, 0.0_dp, thr=0.027_dp)
+      call check(error, center, 0.0_dp, thr=0.027_dp)
       x(1::5) = 1.0e6_dp
-      call robust_centre(x, centre, scale, problem)
+      call robust_center(x, center, scale, problem)
       call check(error, scale, 1.3_dp, thr=0.1_dp)
    end subroutine test_robust
 

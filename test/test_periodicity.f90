@@ -7,7 +7,7 @@ module test_periodicity
    use gyroakf_ar_model, only : ar_model_type
    use gyroakf_random, only : random_type, seed_random, fill_normal
    use gyroakf_stats_fisher, only : fisher_type, test_fisher_g
-   use gyroakf_ar_periodicity, only : periodicity_options, periodicity_type, analyse_periodicity, &
+   use gyroakf_ar_periodicity, only : periodicity_options, periodicity_type, analyze_periodicity, &
       whiten_series, even_length
    use series_library, only : reference_series
    use expectations, only : unmet, problem, test, error, check, went_wrong, check_refused
@@ -64,7 +64,7 @@ contains
    subroutine test_reference_sine()
       type(periodicity_type) :: p
 
-      call analyse_periodicity(reference_series("sine", 12000), periodicity_options(), p, problem)
+      call analyze_periodicity(reference_series("sine", 12000), periodicity_options(), p, problem)
       if (went_wrong(problem)) return
       call check(error, p%fisher%p_value < 1.0e-90_dp .and. near(p, 0.05_dp))
    end subroutine test_reference_sine
@@ -75,7 +75,7 @@ contains
       real(dp), allocatable :: x(:)
 
       call make(3, 6000, 0.95_dp, 0.02_dp, 1.0_dp, x)
-      call analyse_periodicity(x, periodicity_options(), p, problem)
+      call analyze_periodicity(x, periodicity_options(), p, problem)
       call check(error, p%order >= 1 .and. p%samples == 6000 - p%order .and. p%first == p%order + 1)
       call check(error, p%fisher%p_value < 1.0e-4_dp .and. near(p, 0.02_dp))
    end subroutine test_correlated
@@ -91,7 +91,7 @@ contains
       do i = 1, size(frequency)
          do j = 0, 3
             call make(4 + i, 4000, 0.7_dp, frequency(i), 10.0_dp*10**j, x)
-            call analyse_periodicity(x, periodicity_options(), p, problem)
+            call analyze_periodicity(x, periodicity_options(), p, problem)
             call check(error, p%order == 0 .and. p%samples == 4000 .and. p%fisher%peak > 0.75_dp)
             call check(error, p%fisher%p_value < 1.0e-100_dp .and. near(p, frequency(i)))
          end do
@@ -108,13 +108,13 @@ contains
 
       do i = 1, size(names)
          x = reference_series(trim(names(i)), 12000)
-         call analyse_periodicity(x, periodicity_options(), p, problem)
+         call analyze_periodicity(x, periodicity_options(), p, problem)
          if (went_wrong(problem, names(i))) return
          call check(error, p%fisher%p_value > 0.01_dp, names(i))
          call check(error, p%order >= 1 .or. names(i)(:2) == "wn", names(i))
       end do
       x = anint(0.4_dp*reference_series("wn", 12000))
-      call analyse_periodicity(x, periodicity_options(), p, problem)
+      call analyze_periodicity(x, periodicity_options(), p, problem)
       call check(error, p%fisher%p_value > 0.01_dp, "quantized")
    end subroutine test_nothing_periodic
 
@@ -130,7 +130,7 @@ contains
       model%order = 2
       model%mean = 0.25_dp
       model%coefficient = [0.5_dp, 0.25_dp]
-      call analyse_periodicity(x, periodicity_options(), p, problem, model=model)
+      call analyze_periodicity(x, periodicity_options(), p, problem, model=model)
       call check(error, p%order == 2 .and. p%total == 3000)
       call whiten_series(x, model%mean, model%coefficient, white, here, problem)
       call test_fisher_g(white, fisher, problem)
@@ -148,16 +148,16 @@ contains
       allocate (valid(6000))
       valid = 1_int8
       where (uniform < 0.3_dp) valid = 0_int8
-      call analyse_periodicity(x, periodicity_options(), a, problem, valid)
+      call analyze_periodicity(x, periodicity_options(), a, problem, valid)
       call check(error, a%order >= 1 .and. a%fisher%p_value < 1.0e-6_dp .and. near(a, 0.3333_dp))
       where (valid == 0_int8) x = 1.0e7_dp
-      call analyse_periodicity(x, periodicity_options(), b, problem, valid)
+      call analyze_periodicity(x, periodicity_options(), b, problem, valid)
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
       call make(8, 6000, 0.5_dp, 0.3333_dp, 1.0e3_dp, x)
       valid(:3000) = 1_int8
       valid(3300:) = 1_int8
       where (valid == 0_int8) x = 1.0e7_dp
-      call analyse_periodicity(x, periodicity_options(), a, problem, valid)
+      call analyze_periodicity(x, periodicity_options(), a, problem, valid)
       call check(error, a%order == 0 .and. near(a, 0.3333_dp), "a dominant sinusoid")
    end subroutine test_gaps
 
@@ -167,10 +167,10 @@ contains
       real(dp), allocatable :: x(:)
 
       call make(9, 3000, 0.5_dp, 0.11_dp, 0.5_dp, x)
-      call analyse_periodicity(x, periodicity_options(), a, problem)
-      call analyse_periodicity(1.0e6_dp + 1.0e-3_dp*x, periodicity_options(), b, problem)
+      call analyze_periodicity(x, periodicity_options(), a, problem)
+      call analyze_periodicity(1.0e6_dp + 1.0e-3_dp*x, periodicity_options(), b, problem)
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=1.0e-7_dp)
-      call analyse_periodicity(-1024*x, periodicity_options(), b, problem)
+      call analyze_periodicity(-1024*x, periodicity_options(), b, problem)
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=1.0e-12_dp)
    end subroutine test_invariance
 
@@ -183,9 +183,9 @@ contains
       call make(11, 150000, 0.5_dp, 0.11_dp, 0.3_dp, x)
       before = thread_count()
       call set_thread_count(1)
-      call analyse_periodicity(x, periodicity_options(), a, problem)
+      call analyze_periodicity(x, periodicity_options(), a, problem)
       call set_thread_count(2)
-      if (.not. allocated(problem)) call analyse_periodicity(x, periodicity_options(), b, problem)
+      if (.not. allocated(problem)) call analyze_periodicity(x, periodicity_options(), b, problem)
       call set_thread_count(before)
       if (went_wrong(problem)) return
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
@@ -200,15 +200,15 @@ contains
       call make(10, 6000, 0.5_dp, 0.11_dp, 1.0_dp, x)
       options%longest = 1000
       options%ar%order = 1
-      call analyse_periodicity(x, options, a, problem)
+      call analyze_periodicity(x, options, a, problem)
       call check(error, a%samples == 1000 .and. a%first == 2501 .and. a%order == 1 .and. a%total == 6000)
       call check(error, a%fisher%p_value < 1.0e-20_dp .and. near(a, 0.11_dp))
       call make(10, 6000, 0.5_dp, 0.11_dp, 100.0_dp, x)
-      call analyse_periodicity(x, options, a, problem)
+      call analyze_periodicity(x, options, a, problem)
       call check(error, a%samples == 1000 .and. a%first == 2501 .and. a%order == 0)
       x(:2500) = 0
       x(3501:) = 0
-      call analyse_periodicity(x, options, b, problem)
+      call analyze_periodicity(x, options, b, problem)
       call check(error, b%fisher%statistic, a%fisher%statistic, thr=0.0_dp)
    end subroutine test_middle_part
 
@@ -219,7 +219,7 @@ contains
       integer :: t
 
       x = [(2*cos(turn*0.1234_dp*t), t=0, 999)]
-      call analyse_periodicity(x, periodicity_options(), p, problem)
+      call analyze_periodicity(x, periodicity_options(), p, problem)
       if (unmet(.not. allocated(problem) .and. p%order == 0)) return
       call check(error, p%fisher%frequency, 0.123_dp, thr=1.0e-12_dp)
    end subroutine test_perfect
@@ -266,7 +266,7 @@ contains
       type(periodicity_type) :: p
       integer :: got
 
-      call analyse_periodicity(x, options, p, problem)
+      call analyze_periodicity(x, options, p, problem)
       got = status%ok
       if (allocated(problem)) got = problem%code
       call check(error, got, code)

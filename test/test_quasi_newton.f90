@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Tests of the minimisation by BFGS.
+!> Tests of the minimization by BFGS.
 module test_quasi_newton
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : status
-   use gyroakf_quasi_newton, only : objective_type, minimise_options, minimum_type, minimise
+   use gyroakf_quasi_newton, only : objective_type, minimize_options, minimum_type, minimize
    use expectations, only : unmet, failure => problem, test, error, check, check_refused
    implicit none (type, external)
    private
@@ -97,7 +97,7 @@ contains
       type(rosenbrock_type) :: valley
       type(minimum_type) :: minimum
 
-      call minimise(valley, [-1.2_dp, 1.0_dp], minimise_options(), minimum, failure)
+      call minimize(valley, [-1.2_dp, 1.0_dp], minimize_options(), minimum, failure)
       if (unmet(.not. allocated(failure) .and. minimum%converged, "converged")) return
       call check(error, maxval(abs(minimum%parameter - 1)) < 1e-9_dp .and. minimum%value < 1e-18_dp, "at (1, 1)")
       call check(error, minimum%evaluations < 80, "with fewer than 80 evaluations")
@@ -108,7 +108,7 @@ contains
       type(minimum_type) :: minimum
       integer :: i
 
-      call minimise(valley, [(merge(-1.2_dp, 1.0_dp, mod(i, 2) == 1) + 0.1_dp*i, i=1, 10)], minimise_options(), minimum, failure)
+      call minimize(valley, [(merge(-1.2_dp, 1.0_dp, mod(i, 2) == 1) + 0.1_dp*i, i=1, 10)], minimize_options(), minimum, failure)
       if (unmet(.not. allocated(failure) .and. minimum%converged, "converged")) return
       call check(error, maxval(abs(minimum%parameter - 1)) < 1e-8_dp, "all variables are 1")
    end subroutine test_ten
@@ -118,11 +118,11 @@ contains
       type(minimum_type) :: minimum
 
       bowl%curvature = [1.0e6_dp, 2.0_dp, 1.0e-6_dp]
-      call minimise(bowl, [5.0_dp, -4.0_dp, 1.0e3_dp], minimise_options(), minimum, failure, &
+      call minimize(bowl, [5.0_dp, -4.0_dp, 1.0e3_dp], minimize_options(), minimum, failure, &
                     reshape([1.0e-6_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.5_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0e6_dp], [3, 3]))
       if (unmet(.not. allocated(failure) .and. minimum%converged, "converged")) return
       call check(error, minimum%iterations <= 2 .and. minimum%evaluations <= 4, "the step of Newton")
-      call check(error, maxval(abs(minimum%parameter - [1, 2, 3])) < 1e-9_dp, "the centre")
+      call check(error, maxval(abs(minimum%parameter - [1, 2, 3])) < 1e-9_dp, "the center")
    end subroutine test_newton
 
    subroutine test_scaled()
@@ -132,9 +132,9 @@ contains
 
       do decades = 2, 8, 2
          bowl%curvature = [10.0_dp**decades, 1.0_dp, 10.0_dp**(decades/2), 3.0_dp]
-         call minimise(bowl, [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], minimise_options(gradient_tolerance=1e-10_dp), minimum, failure)
+         call minimize(bowl, [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], minimize_options(gradient_tolerance=1e-10_dp), minimum, failure)
          if (unmet(.not. allocated(failure) .and. minimum%converged, "converged")) return
-         call check(error, maxval(abs(minimum%parameter - [1, 2, 3, 4])) < 1e-9_dp, "the centre")
+         call check(error, maxval(abs(minimum%parameter - [1, 2, 3, 4])) < 1e-9_dp, "the center")
       end do
    end subroutine test_scaled
 
@@ -144,7 +144,7 @@ contains
 
       bowl%curvature = [3.0_dp, 1.0_dp]
       bowl%offset = 1.0e6_dp
-      call minimise(bowl, [7.0_dp, 7.0_dp], minimise_options(gradient_tolerance=1e-16_dp), minimum, failure)
+      call minimize(bowl, [7.0_dp, 7.0_dp], minimize_options(gradient_tolerance=1e-16_dp), minimum, failure)
       if (unmet(.not. allocated(failure) .and. minimum%converged, "converged")) return
       call check(error, maxval(abs(minimum%parameter - [1, 2])) < 1e-8_dp, "values alone would leave 1e-5")
    end subroutine test_offset
@@ -157,7 +157,7 @@ contains
 
       do i = 1, 4
          wall%infeasible = mod(i, 2) == 0
-         call minimise(wall, [merge(1e-3_dp, 1 - 1e-6_dp, i > 2)], minimise_options(), minimum, failure)
+         call minimize(wall, [merge(1e-3_dp, 1 - 1e-6_dp, i > 2)], minimize_options(), minimum, failure)
          if (unmet(.not. allocated(failure) .and. minimum%converged, "converged")) return
          call check(error, abs(minimum%parameter(1) - (3 - sqrt(5.0_dp))/2) < 1e-9_dp, "between the walls")
       end do
@@ -167,7 +167,7 @@ contains
       type(rosenbrock_type) :: valley
       type(minimum_type) :: minimum
 
-      call minimise(valley, [-1.2_dp, 1.0_dp], minimise_options(max_iterations=3), minimum, failure)
+      call minimize(valley, [-1.2_dp, 1.0_dp], minimize_options(max_iterations=3), minimum, failure)
       if (unmet(.not. allocated(failure) .and. .not. minimum%converged, "not converged")) return
       call check(error, minimum%iterations == 3 .and. minimum%value < 24.2_dp, "the best point so far")
    end subroutine test_stopped
@@ -178,15 +178,15 @@ contains
       real(dp) :: nothing(0), two_by_two(2, 2)
 
       two_by_two = 1
-      call minimise(wall, nothing, minimise_options(), minimum, failure)
+      call minimize(wall, nothing, minimize_options(), minimum, failure)
       call expect("no variable")
-      call minimise(wall, [2.0_dp], minimise_options(), minimum, failure)
+      call minimize(wall, [2.0_dp], minimize_options(), minimum, failure)
       call expect("start beyond the wall")
-      call minimise(wall, [0.5_dp], minimise_options(gradient_tolerance=0.0_dp), minimum, failure)
+      call minimize(wall, [0.5_dp], minimize_options(gradient_tolerance=0.0_dp), minimum, failure)
       call expect("tolerance 0")
-      call minimise(wall, [0.5_dp], minimise_options(max_iterations=-1), minimum, failure)
+      call minimize(wall, [0.5_dp], minimize_options(max_iterations=-1), minimum, failure)
       call expect("negative iterations")
-      call minimise(wall, [0.5_dp], minimise_options(), minimum, failure, two_by_two)
+      call minimize(wall, [0.5_dp], minimize_options(), minimum, failure, two_by_two)
       call expect("size of the inverse Hessian")
 
    contains

@@ -525,7 +525,7 @@ contains
       values = shown("1.5 3"//nl//"1.5 3"//nl//"nan 3"//nl//"-2 3"//nl//"-1.75 3"//nl, reader_options(), record)
       call check(error, all(abs(record%audit%minimum - [-2.0_dp, 3.0_dp]) <= 0.0_dp), "minimum")
       call check(error, all(abs(record%audit%maximum - [1.5_dp, 3.0_dp]) <= 0.0_dp), "maximum")
-      call check(error, all(abs(record%audit%quantisation - [0.25_dp, 0.0_dp]) <= 0.0_dp), "quantisation")
+      call check(error, all(abs(record%audit%quantization - [0.25_dp, 0.0_dp]) <= 0.0_dp), "quantization")
    end subroutine test_audit_values
 
    !> A comment longer than a block, then a row that is.

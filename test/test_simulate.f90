@@ -25,7 +25,7 @@ module test_simulate
 contains
 
    subroutine suite_simulate()
-      call test("quantisation-noise", test_q)
+      call test("quantization-noise", test_q)
       call test("angle-random-walk", test_n)
       call test("bias-instability", test_b)
       call test("rate-random-walk", test_k)
@@ -253,7 +253,7 @@ contains
       call check(error, record%rate_known .and. record%rate_source == "option" .and. record%unit_source == "option")
       if (unmet(size(record%channel) == 1 .and. record%channel(1)%text == "gx")) return
       if (unmet(record%audit%samples == 50 .and. size(record%value, 1) == 50)) return
-      call check(error, all(abs([record%audit%minimum(1), record%audit%maximum(1), record%audit%quantisation(1)] &
+      call check(error, all(abs([record%audit%minimum(1), record%audit%maximum(1), record%audit%quantization(1)] &
          & - [2.0_dp, 26.5_dp, 0.5_dp]) <= 0))
    end subroutine test_fields
 
@@ -491,7 +491,7 @@ contains
       flicker_variance = flicker_variance/(2*real(m, dp)**2*terms)
    end function flicker_variance
 
-   !> The true drift is the record without white noise, quantisation, outliers, rounding and losses.
+   !> The true drift is the record without white noise, quantization, outliers, rounding and losses.
    subroutine test_truth()
       type(simulate_options) :: options
       type(record_type) :: smooth, record, truth

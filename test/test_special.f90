@@ -62,7 +62,7 @@ contains
          & 7.0477002566644087_dp], 1.0e-14_dp)
    end subroutine test_normal_quantile
 
-   !> cdf(quantile(p)) = p over the whole range; the centre is exactly 0.
+   !> cdf(quantile(p)) = p over the whole range; the center is exactly 0.
    subroutine test_normal_round_trip()
       real(dp) :: p(200)
       integer :: i

@@ -6,7 +6,7 @@ module test_summary
    use gyroakf_io_writer, only : writer_type
    use gyroakf_pipeline_result, only : pipeline_result_type
    use gyroakf_record, only : record_type
-   use gyroakf_report_summary, only : summarise, summary_row_type, write_summary_csv, write_summary_json, write_summary_table
+   use gyroakf_report_summary, only : summarize, summary_row_type, write_summary_csv, write_summary_json, write_summary_table
    use gyroakf_utf8, only : text_width
    use json_reader, only : json_at, json_item, json_real, json_text_at, read_json
    use report_fixture, only : begin_text, end_text, make_record, make_result
@@ -37,8 +37,8 @@ contains
 
       call make_record(record, .true.)
       call make_result(record, result)
-      call summarise("run", path, "out/a", record, rows(1), result)
-      call summarise("run", 'b "c", d', "", unread, rows(2), code=2, message="b: no such file"//nl//"check the path")
+      call summarize("run", path, "out/a", record, rows(1), result)
+      call summarize("run", 'b "c", d', "", unread, rows(2), code=2, message="b: no such file"//nl//"check the path")
    end subroutine two_rows
 
    !> The document of some rows.
@@ -78,7 +78,7 @@ contains
       logical :: valid
 
       call make_record(record, .false.)
-      call summarise("inspect", "-", "", record, rows(1))
+      call summarize("inspect", "-", "", record, rows(1))
       call read_document("inspect", rows, items, valid)
       call check(error, valid)
       call check(error, json_text_at(items, "/files/0/rate_hz")//json_text_at(items, "/files/0/duration_s")// &

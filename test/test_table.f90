@@ -25,7 +25,7 @@ contains
       call test("signs", test_signs)
       call test("signs-in-names", test_names)
       call test("signs-in-the-layout", test_layout)
-      call test("colours", test_colours)
+      call test("colors", test_colors)
       call test("cells-of-two-lines", test_lines)
       call test("too-wide", test_too_wide)
       call test("long-names", test_long_names)
@@ -74,15 +74,15 @@ contains
                  lf//"Channel tau"//lf//"==========="//lf//lf//"τ"//lf//"-"//lf//"  "//repeat("x", 72)//" 1 ± 2"//lf)
    end subroutine test_layout
 
-   !> Bold headings, a yellow warning, a red failure; without colours no byte of them.
-   subroutine test_colours()
+   !> Bold headings, a yellow warning, a red failure; without colors no byte of them.
+   subroutine test_colors()
       type(writer_type) :: writer
       character(:), allocatable :: text
       integer :: i
 
       do i = 1, 2
          call begin_text(writer)
-         writer%colour = i == 1
+         writer%color = i == 1
          call put_heading(writer, "Title", "=")
          call put_item(writer, "Warning", "one")
          call put_item(writer, "Not available", "two")
@@ -93,7 +93,7 @@ contains
             "  Fit             three"//lf)
          if (i == 2) call check(error, index(text, escape), 0)
       end do
-   end subroutine test_colours
+   end subroutine test_colors
 
    !> Widths are those of characters, not of bytes.
    subroutine test_lines()

@@ -209,7 +209,7 @@ contains
       call check(error, c%bartlett(1), c%limit(1), thr=tolerance, rel=.true.)
    end subroutine test_limits
 
-   !> As many lags as samples: the autocorrelations of a centred series sum up to -1/2.
+   !> As many lags as samples: the autocorrelations of a centered series sum up to -1/2.
    subroutine test_all_lags()
       type(correlation_type) :: c
 

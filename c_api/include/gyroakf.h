@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gyroakf: random errors of gyroscopes, characterised and compensated. The C interface.
+ * gyroakf: random errors of gyroscopes, characterized and compensated. The C interface.
  *
  * Rules that hold for every function
  *
@@ -342,7 +342,7 @@ typedef struct gyroakf_coefficient {
 /* Model: sigma^2 = 3 Q^2/tau^2 + N^2/tau + (2 ln 2/pi) B^2 + K^2 tau/3 + R^2 tau^2/2; two-sided PSDs.
  * The units are those for a rate in rad/s. */
 typedef struct gyroakf_noise {
-  gyroakf_coefficient q; /* quantisation, rad */
+  gyroakf_coefficient q; /* quantization, rad */
   gyroakf_coefficient n; /* angle random walk, rad/sqrt(s) */
   gyroakf_coefficient b; /* bias instability, rad/s */
   gyroakf_coefficient k; /* rate random walk, rad/s^1.5 */
@@ -645,7 +645,7 @@ GYROAKF_API void gyroakf_drift_options_init(gyroakf_drift_options *opt);
  * the default part, some milliseconds per million samples for the rest).
  *   z      [n] series, u, n >= 50; any offset; NaN: missing
  *   opt    may be NULL
- *   model  initialised by gyroakf_drift_model_init; where none of its processes is slow, no drift was found
+ *   model  initialized by gyroakf_drift_model_init; where none of its processes is slow, no drift was found
  * On failure nothing but err is written. GYROAKF_TOO_FEW_SAMPLES, GYROAKF_CONSTANT_INPUT, GYROAKF_NON_FINITE, GYROAKF_NO_MEMORY,
  * GYROAKF_NOT_CONVERGED (no model has a likelihood with a maximum).
  */

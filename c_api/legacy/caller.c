@@ -92,7 +92,7 @@ static void test_allan(void) {
 }
 
 static void test_models(void) {
-  double stat, p, crit[3], phi[5], expected[5], var, mean, variance, centre, constant[50];
+  double stat, p, crit[3], phi[5], expected[5], var, mean, variance, center, constant[50];
   int32_t usual = -1, bad = -2, lag, order, chosen, method = 1, most = 5, none = 0, few = 50, i;
   gyroakf_adf adf;
   gyadft_(&n, x, &usual, &stat, &p, crit, &lag, &info);
@@ -101,8 +101,8 @@ static void test_models(void) {
   gyadft_(&n, x, &bad, &stat, &p, crit, &lag, &info);
   check(info == -3, "GYADFT: MAXLAG = -2");
   gyarft_(&n, x, &method, &most, &order, phi, &var, &mean, &info);
-  check(info == 0 && gyroakf_ar_fit(x, n, NULL, 5, &chosen, expected, &variance, &centre, NULL) == GYROAKF_OK, "AR model");
-  check(order == chosen && same(phi, expected, 5) && var == variance && mean == centre, "AR model");
+  check(info == 0 && gyroakf_ar_fit(x, n, NULL, 5, &chosen, expected, &variance, &center, NULL) == GYROAKF_OK, "AR model");
+  check(order == chosen && same(phi, expected, 5) && var == variance && mean == center, "AR model");
   gyarft_(&n, x, &none, &most, &order, phi, &var, &mean, &info);
   check(info == -3, "GYARFT: METHOD = 0");
   gyarft_(&n, x, &method, &bad, &order, phi, &var, &mean, &info);

@@ -209,7 +209,7 @@ static void test_allan_options(void) {
   opt.min_coverage = -1.0;
   check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "coverage < 0");
   memset(&opt, 0, sizeof opt);
-  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
+  check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_INVALID_ARGUMENT, "options not initialized");
   gyroakf_allan_options_init(&opt);
   opt.struct_size += 8;
   check_failure(gyroakf_allan_new(x, 4, 1.0, &opt, &a, &err), GYROAKF_NOT_SUPPORTED, "options of a later version");
@@ -280,7 +280,7 @@ static void test_noise_failures(void) {
   check_any_failure(gyroakf_noise_fit(a, &opt, &noise, &err), "tau_min NaN");
   gyroakf_fit_options_init(&opt);
   opt.struct_size = 0;
-  check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit options not initialised");
+  check_failure(gyroakf_noise_fit(a, &opt, &noise, &err), GYROAKF_INVALID_ARGUMENT, "fit options not initialized");
   gyroakf_fit_options_init(NULL);
   gyroakf_allan_free(a);
 }
@@ -384,7 +384,7 @@ static void test_kpss_failures(void) {
   opt.regression = "ctt";
   check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "unknown regression");
   opt.struct_size = 0;
-  check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
+  check_failure(gyroakf_kpss_test(x, 100, &opt, &kpss, &err), GYROAKF_INVALID_ARGUMENT, "options not initialized");
   gyroakf_kpss_options_init(NULL);
 }
 
@@ -606,7 +606,7 @@ static void test_filter_failures(void) {
   opt.measurement_form = "nonsense";
   check_failure(gyroakf_filter_new(1, &phi, 1, 1, &opt, &f, &err), GYROAKF_INVALID_ARGUMENT, "unknown form");
   opt.struct_size--;
-  check_failure(gyroakf_filter_new(1, &phi, 1, 1, &opt, &f, &err), GYROAKF_INVALID_ARGUMENT, "options not initialised");
+  check_failure(gyroakf_filter_new(1, &phi, 1, 1, &opt, &f, &err), GYROAKF_INVALID_ARGUMENT, "options not initialized");
   gyroakf_filter_free(NULL);
   gyroakf_filter_options_init(NULL);
 }

@@ -66,7 +66,7 @@ static void test_failures(double *z, const gyroakf_drift_model *good) {
   gyroakf_filter_options filter;
   gyroakf_filter *f;
   memset(&model, 0, sizeof model);
-  check_failure(gyroakf_drift_identify(z, N, NULL, &model, &err), GYROAKF_INVALID_ARGUMENT, "not initialised");
+  check_failure(gyroakf_drift_identify(z, N, NULL, &model, &err), GYROAKF_INVALID_ARGUMENT, "not initialized");
   check_failure(gyroakf_drift_identify(z, N, NULL, NULL, &err), GYROAKF_INVALID_ARGUMENT, "no model");
   gyroakf_drift_model_init(&model);
   check_failure(gyroakf_drift_identify(NULL, N, NULL, &model, &err), GYROAKF_INVALID_ARGUMENT, "no series");

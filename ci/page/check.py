@@ -28,7 +28,7 @@ class Page(HTMLParser):
         self.headings = []
         self.open = []          # (tag, attributes)
         self.text = {}          # of title, h1, h2, h3, th, caption, figcaption: lists
-        self.unlabelled = []
+        self.unlabeled = []
         self.recordings = 0
         self.channel = None
         self.unbalanced = []

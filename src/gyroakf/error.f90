@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The error that every procedure that can fail returns in its last argument.
+!> The error that every procedure that can fail returns in its argument `error`, the last required
+!> one.
 !>
 !>     type(error_type), allocatable :: error
 !>     call do_something(x, error)

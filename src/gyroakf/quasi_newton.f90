@@ -5,7 +5,7 @@
 !>     contains
 !>        procedure :: evaluate => evaluate_bowl      ! value and gradient at a point
 !>     end type
-!>     call minimise(objective, start, minimise_options(), minimum, error)
+!>     call minimize(objective, start, minimize_options(), minimum, error)
 !>
 !> The inverse Hessian is kept as a matrix; a step ends where the strong Wolfe conditions hold. Near
 !> the minimum, where differences of values are rounding, the decrease is judged by the slopes, so
@@ -13,7 +13,7 @@
 !> J. Wright, Numerical Optimization (2006), algorithms 3.5, 3.6 and 6.1; W. W. Hager, H. Zhang,
 !> SIAM J. Optim. 16 (2005) 170.
 !>
-!> LAPACK has no minimisation, liblbfgsb and libLBFGS are made for many variables and know no point
+!> LAPACK has no minimization, liblbfgsb and libLBFGS are made for many variables and know no point
 !> where the function does not exist, MINPACK knows only least squares. It keeps no state.
 module gyroakf_quasi_newton
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
@@ -21,7 +21,7 @@ module gyroakf_quasi_newton
    use gyroakf_error, only : error_type, fatal_error, status
    implicit none (type, external)
    private
-   public :: objective_type, minimise_options, minimum_type, minimise
+   public :: objective_type, minimize_options, minimum_type, minimize
 
    !> Sufficient decrease; decrease of the slope; slope in place of the decrease near the minimum
    real(dp), parameter :: decrease = 1.0e-4_dp, flattening = 0.9_dp, slope_share = 0.1_dp
@@ -55,7 +55,7 @@ module gyroakf_quasi_newton
    end interface
 
    !> When to stop
-   type :: minimise_options
+   type :: minimize_options
       !> Largest |gradient_i| max(|parameter_i|, 1) over max(|value|, 1) at the minimum, > 0
       real(dp) :: gradient_tolerance = 1.0e-9_dp
       !> Most iterations, >= 0
@@ -65,7 +65,7 @@ module gyroakf_quasi_newton
       !> Decrease of the value that is not worth a step, >= 0: five such steps in succession are the
       !> end, as where the value falls for ever to a limit that it never reaches
       real(dp) :: least_decrease = 0.0_dp
-   end type minimise_options
+   end type minimize_options
 
    !> What was found
    type :: minimum_type
@@ -89,14 +89,14 @@ module gyroakf_quasi_newton
 
 contains
 
-   !> Minimises a function.
-   subroutine minimise(objective, start, options, minimum, error, inverse_hessian)
+   !> Minimizes a function.
+   subroutine minimize(objective, start, options, minimum, error, inverse_hessian)
       !> The function
       class(objective_type), intent(inout) :: objective
       !> Where to begin: [n], n >= 1; the function exists there
       real(dp), intent(in) :: start(:)
       !> When to stop
-      type(minimise_options), intent(in) :: options
+      type(minimize_options), intent(in) :: options
       !> The minimum, also where `converged` is false: the best point so far
       type(minimum_type), intent(out) :: minimum
       !> invalid_argument: no variables, options, sizes, no function value at the start
@@ -116,7 +116,7 @@ contains
       minimum%gradient = here%gradient
       if (.not. here%feasible) then
          call fatal_error(error, status%invalid_argument, &
-            "the function does not exist at the start of the minimisation")
+            "the function does not exist at the start of the minimization")
          return
       end if
       call reset(h, unit, inverse_hessian)
@@ -150,21 +150,21 @@ contains
       minimum%parameter(:) = here%parameter
       minimum%gradient(:) = here%gradient
       minimum%value = here%value
-   end subroutine minimise
+   end subroutine minimize
 
    !> Refuses arguments out of range.
    subroutine check_arguments(n, options, error, inverse_hessian)
       integer, intent(in) :: n
-      type(minimise_options), intent(in) :: options
+      type(minimize_options), intent(in) :: options
       type(error_type), allocatable, intent(out) :: error
       real(dp), intent(in), optional :: inverse_hessian(:, :)
 
       if (n < 1) then
-         call fatal_error(error, status%invalid_argument, "there is no variable to minimise over")
+         call fatal_error(error, status%invalid_argument, "there is no variable to minimize over")
       else if (.not. (options%gradient_tolerance > 0.0_dp .and. options%max_iterations >= 0 .and. &
          options%decrease_tolerance >= 0.0_dp .and. options%least_decrease >= 0.0_dp)) then
          call fatal_error(error, status%invalid_argument, "the gradient tolerance of a &
-            &minimisation must be positive, the others not negative")
+            &minimization must be positive, the others not negative")
       else if (present(inverse_hessian)) then
          if (any(shape(inverse_hessian) /= n)) call fatal_error(error, status%invalid_argument, &
             "the inverse Hessian and the start differ in size")

@@ -18,11 +18,11 @@ module gyroakf_rank
    !> Bit of the sign alone
    integer(int64), parameter :: sign_bit = ishft(1_int64, 63)
 
-   !> The numbers x - centre or |x - centre|
+   !> The numbers x - center or |x - center|
    type :: numbers_type
       !> Finite: [n]
       real(dp), pointer, contiguous :: x(:)
-      real(dp) :: centre = 0.0_dp
+      real(dp) :: center = 0.0_dp
       logical :: absolute = .false.
       !> 1 present, 0 missing: [n]; not associated where all are present
       integer(int8), pointer :: valid(:) => null()
@@ -126,7 +126,7 @@ contains
             if (associated(numbers%valid)) then
                if (numbers%valid(i) == 0_int8) cycle
             end if
-            value = (x(i) - numbers%centre) + 0.0_dp  ! -0 becomes 0
+            value = (x(i) - numbers%center) + 0.0_dp  ! -0 becomes 0
             if (numbers%absolute) value = abs(value)
             key = ishft(key_of(value), -low)
             if (digit > 1) then
@@ -155,7 +155,7 @@ contains
          if (associated(numbers%valid)) then
             if (numbers%valid(i) == 0_int8) cycle
          end if
-         value = numbers%x(i) - numbers%centre
+         value = numbers%x(i) - numbers%center
          if (numbers%absolute) value = abs(value)
          if (value > bound) next = min(next, value)
       end do

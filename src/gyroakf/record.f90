@@ -45,7 +45,7 @@ module gyroakf_record
       !> Smallest and largest value: [channel], of the record's unit
       real(dp), allocatable :: minimum(:), maximum(:)
       !> Smallest non-zero step between neighbors: [channel], of the record's unit; 0 for none
-      real(dp), allocatable :: quantisation(:)
+      real(dp), allocatable :: quantization(:)
       !> Rows that repeat the one above, left out; the line of the first, 0 where there is none
       integer(int64) :: repeated = 0, line_of_repeat = 0
       !> Rows without a time that were left out, and the line of the first

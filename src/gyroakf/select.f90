@@ -35,12 +35,12 @@ contains
       call find_middle(numbers, median, error)
    end subroutine find_median
 
-   !> Median of |x - centre| over the present samples.
-   subroutine find_deviation(x, centre, deviation, error, valid)
+   !> Median of |x - center| over the present samples.
+   subroutine find_deviation(x, center, deviation, error, valid)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous, target :: x(:)
       !> Usually the median
-      real(dp), intent(in) :: centre
+      real(dp), intent(in) :: center
       !> The median absolute deviation
       real(dp), intent(out) :: deviation
       !> too_few_samples where nothing is present, no_memory
@@ -50,7 +50,7 @@ contains
       type(numbers_type) :: numbers
 
       numbers%x => x
-      numbers%centre = centre
+      numbers%center = center
       numbers%absolute = .true.
       if (present(valid)) numbers%valid => valid
       call find_middle(numbers, deviation, error)
@@ -137,7 +137,7 @@ contains
             if (numbers%valid(place) == 0_int8) cycle
          end if
          count = count + 1
-         drawn(count) = (numbers%x(place) - numbers%centre) + 0.0_dp
+         drawn(count) = (numbers%x(place) - numbers%center) + 0.0_dp
          if (numbers%absolute) drawn(count) = abs(drawn(count))
       end do
       if (count < sample_size/16) return
@@ -195,7 +195,7 @@ contains
 
       n = 0
       do place = first, last
-         y(n + 1) = (numbers%x(place) - numbers%centre) + 0.0_dp
+         y(n + 1) = (numbers%x(place) - numbers%center) + 0.0_dp
          if (associated(numbers%valid)) then
             n = n + merge(1, 0, numbers%valid(place) /= 0_int8)
          else

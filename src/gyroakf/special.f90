@@ -35,7 +35,7 @@ contains
 
    !> Quantile of the standard normal distribution: the x where normal_cdf(x) = p.
    !>
-   !> Halley's iteration on ln Phi in the tails, on erf in the centre.
+   !> Halley's iteration on ln Phi in the tails, on erf in the center.
    elemental real(dp) function normal_quantile(p)
       !> Probability, 0 < p < 1; 0 and 1 give -/+ infinity, outside and NaN give NaN. The upper
       !> tail is best reached as `-normal_quantile(q)` with the small q

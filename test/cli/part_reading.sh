@@ -129,8 +129,8 @@ holds "text and counters are left out" "1 seq (counter); 4 frame_id (text)" out
 awk '{ print "12:00:0" NR%10 ".5 -> X: " $1 " Y: " $2 }' <(sed 1,3d plain.txt | head -n 9) >labels.txt
 good "labels between numbers" inspect labels.txt --json -
 holds "the channels" '"channels": ["X", "Y"]' out
-printf 'gx:1,gy:2\ngx:3,gy:4\n' >labelled.txt
-good "labels before numbers" inspect labelled.txt --json -
+printf 'gx:1,gy:2\ngx:3,gy:4\n' >labeled.txt
+good "labels before numbers" inspect labeled.txt --json -
 holds "their names" '"channels": ["gx", "gy"]' out
 printf '1 2 x\n3 4 5\n' >words.txt
 bad "columns of numbers are named" 2 "options that read it: --column 1,2" inspect words.txt

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: MIT
-# What a report looks like: width, signs, colours, the chart; tables for papers.
+# What a report looks like: width, signs, colors, the chart; tables for papers.
 example=$root/example/data/mems_gyro_x.txt
 beyond() { LC_ALL=C grep -c '[^ -~]' "$1"; }              # lines with a byte that is not printable ASCII
 widest() { LC_ALL=C tr -d '\200-\277' <"$1" | LC_ALL=C awk 'length > w { w = length } END { print w + 0 }'; }   # characters
@@ -42,23 +42,23 @@ holds "a name beyond ASCII" "Channel Δω/√h" out
 LC_ALL=C.UTF-8 good "names stay in UTF-8" run names.txt --time-column none --rate 10 --details
 holds "a name that is a sign's" "Channel tau" out
 
-# colours
+# colors
 escape=$(printf '\033')
-good "no colours into a file" run "$example" --outliers pauta --outlier-threshold 1.5 --details --out coloured --color always
-holds "colours on request" "$escape[1mTable II. Before" out
+good "no colors into a file" run "$example" --outliers pauta --outlier-threshold 1.5 --details --out colored --color always
+holds "colors on request" "$escape[1mTable II. Before" out
 holds "warnings are yellow" "$escape[33m  Warning" out
-is "report.txt has no colours" "$(grep -c "$escape" coloured/report.txt)" 0
-is "report.txt is ASCII" "$(LC_ALL=C.UTF-8 "$gyroakf" run "$example" --outliers pauta --outlier-threshold 1.5 --out coloured --force >/dev/null; beyond coloured/report.txt)" 0
+is "report.txt has no colors" "$(grep -c "$escape" colored/report.txt)" 0
+is "report.txt is ASCII" "$(LC_ALL=C.UTF-8 "$gyroakf" run "$example" --outliers pauta --outlier-threshold 1.5 --out colored --force >/dev/null; beyond colored/report.txt)" 0
 sed "s/$escape\[[0-9]*m//g" out >plain.txt
-good "no colours by themselves" run "$example" --outliers pauta --outlier-threshold 1.5 --details
-if cmp -s plain.txt out; then pass; else fail "a report without its colours is another one"; fi
+good "no colors by themselves" run "$example" --outliers pauta --outlier-threshold 1.5 --details
+if cmp -s plain.txt out; then pass; else fail "a report without its colors is another one"; fi
 good "NO_COLOR" run "$example" --color never
 is "--color never" "$(grep -c "$escape" out)" 0
 if script --version >/dev/null 2>&1; then
    terminal() { script -qec "$* '$gyroakf' allan '$example'" /dev/null </dev/null | grep -c "$escape"; }
-   if [ "$(terminal env -u NO_COLOR TERM=xterm)" -gt 0 ]; then pass; else fail "no colours on a terminal"; fi
+   if [ "$(terminal env -u NO_COLOR TERM=xterm)" -gt 0 ]; then pass; else fail "no colors on a terminal"; fi
    is "NO_COLOR on a terminal" "$(terminal env NO_COLOR=1 TERM=xterm)" 0
-   is "an empty NO_COLOR is none" "$([ "$(terminal env NO_COLOR= TERM=xterm)" -gt 0 ] && echo coloured)" coloured
+   is "an empty NO_COLOR is none" "$([ "$(terminal env NO_COLOR= TERM=xterm)" -gt 0 ] && echo colored)" colored
    is "a dumb terminal" "$(terminal env TERM=dumb)" 0
    is "no TERM" "$(terminal env -u TERM)" 0
 fi

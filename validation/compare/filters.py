@@ -91,7 +91,7 @@ def drift(gyroakf, program):
             table.row(f"{name}{missing}: log-likelihood", likelihood, theirs.llf, "statsmodels gives the diffuse first sample "
                       "-ln(2 pi)/2, here it is given, not measured", theirs.llf + numpy.log(2 * numpy.pi) / 2)
             table.row("filtered", filtered[after], theirs.filtered_state.sum(axis=0)[after], scale=scale)
-            table.row("innovations, normalised", innovation[after & here], standard[after & here], scale=1)
+            table.row("innovations, normalized", innovation[after & here], standard[after & here], scale=1)
             table.row("smoothed", smoothed, theirs.smoothed_state.sum(axis=0), scale=scale)
             table.row("variance of the smoothed", variance, theirs.smoothed_state_cov.sum(axis=(0, 1)))
     filtered_record(gyroakf, path, x)

@@ -27,7 +27,7 @@ program allan_halves
       case_type("white", [0.0_dp, 18.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]), &
       case_type("white, flicker, walk", [0.0_dp, 18.0_dp, 6.0_dp, 0.3_dp, 0.0_dp]), &
       case_type("flicker", [0.0_dp, 0.0_dp, 6.0_dp, 0.0_dp, 0.0_dp]), &
-      case_type("quantisation, white, walk", [5.0_dp, 18.0_dp, 0.0_dp, 1.0_dp, 0.0_dp]), &
+      case_type("quantization, white, walk", [5.0_dp, 18.0_dp, 0.0_dp, 1.0_dp, 0.0_dp]), &
       case_type("white, flicker, walk; 10 % lost", [0.0_dp, 18.0_dp, 6.0_dp, 0.3_dp, 0.0_dp], 0.0_dp, 1.0_dp, 0.1_dp), &
       case_type("AR(1) 0.4", [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 0.4_dp), &
       case_type("AR(1) 0.99 and white", [0.0_dp, 3.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 0.99_dp), &

@@ -127,16 +127,16 @@ contains
    subroutine average_both(z, signal, still, x)
       real(dp), intent(in), contiguous :: z(:), signal(:)
       real(dp), intent(out), contiguous :: still(:), x(:)
-      real(dp), allocatable :: both(:), causal(:), centred(:)
+      real(dp), allocatable :: both(:), causal(:), centered(:)
       integer(int8), allocatable :: here(:)
 
-      allocate (causal(samples), centred(samples))
+      allocate (causal(samples), centered(samples))
       allocate (here(samples), source=1_int8)
-      call moving_averages(z, here, 25, causal, centred)
+      call moving_averages(z, here, 25, causal, centered)
       still = causal(half + 1:)
       both = z
       both(half + 1:) = both(half + 1:) + signal
-      call moving_averages(both, here, 25, causal, centred)
+      call moving_averages(both, here, 25, causal, centered)
       x = causal(half + 1:)
    end subroutine average_both
 

@@ -253,10 +253,10 @@ contains
       end if
       if (allocated(error)) error stop error%message
       third = samples - samples/3
-      call run_filter(filter, known%z(:third), x(:third), normalised_innovation=e(:third))
+      call run_filter(filter, known%z(:third), x(:third), normalized_innovation=e(:third))
       filter%gain_sum = 0.0_dp
       filter%gain_measurements = 0
-      call run_filter(filter, known%z(third + 1:), x(third + 1:), normalised_innovation=e(third + 1:))
+      call run_filter(filter, known%z(third + 1:), x(third + 1:), normalized_innovation=e(third + 1:))
       if (.not. (all(ieee_is_finite(x)) .and. all(ieee_is_finite(e)))) then
          counts%failed = counts%failed + 1
          return

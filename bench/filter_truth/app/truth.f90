@@ -17,7 +17,7 @@ program truth
    !> Cases whose oracle has an error that one may be compared with
    integer, parameter :: first_compared = 3
    !> Autocorrelation of the innovations that a good model does not leave
-   real(dp), parameter :: coloured = 0.1_dp
+   real(dp), parameter :: colored = 0.1_dp
 
    real(dp), allocatable :: error(:, :, :), oracle(:, :, :), average(:, :, :, :)
    type(judged_type), allocatable :: judged(:, :, :)
@@ -102,7 +102,7 @@ contains
             k = best_length(place, side)
             cells(place) = decimal(1.0e3_dp*median(average(:, place, k, side)), 2)
          end do
-         call table_row(trim(merge("best causal moving average ", "best centred moving average", side == 1)), cells)
+         call table_row(trim(merge("best causal moving average ", "best centered moving average", side == 1)), cells)
          do place = 1, cases
             cells(place) = decimal(1.0e3_dp*median(oracle(:, place, side)), 2)
          end do
@@ -143,7 +143,7 @@ contains
          do place = 1, cases
             write (cells(place), "(i0)") length(best_length(place, side))
          end do
-         call table_row(trim(merge("length of the causal average ", "length of the centred average", side == 1)), cells)
+         call table_row(trim(merge("length of the causal average ", "length of the centered average", side == 1)), cells)
          do k = 1, methods
             if ((is_causal(k) .neqv. side == 1) .or. k == trend) cycle
             do place = 1, cases
@@ -163,7 +163,7 @@ contains
       integer :: k, place
 
       write (output_unit, "(/, a, f4.2, a, /)") "Innovations: mean NIS; largest |rho| within 20 lags, **not white** above ", &
-         & coloured, "; p of Ljung and Box in brackets (medians):"
+         & colored, "; p of Ljung and Box in brackets (medians):"
       call table_head("", case_names)
       do k = 1, methods
          if (.not. is_filter(k)) cycle
@@ -172,7 +172,7 @@ contains
             if (median(judged(:, place, k)%nis) <= 0.0_dp) cycle
             rho = median(judged(:, place, k)%rho)
             cells(place) = trim(decimal(median(judged(:, place, k)%nis), 2))//"; "// &
-               & trim(merge("**", "  ", rho > coloured))//trim(decimal(rho, 3))//trim(merge("**", "  ", rho > coloured))// &
+               & trim(merge("**", "  ", rho > colored))//trim(decimal(rho, 3))//trim(merge("**", "  ", rho > colored))// &
                & " ("//trim(probability(median(judged(:, place, k)%p_value)))//")"
          end do
          call table_row(method_names(k), cells)

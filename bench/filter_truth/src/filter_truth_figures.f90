@@ -55,12 +55,12 @@ contains
    end function root_mean_square
 
    !> Means of the samples present in windows that end at, or lie about, each sample; cut off at the ends of the record.
-   subroutine moving_averages(z, here, length, causal, centred)
+   subroutine moving_averages(z, here, length, causal, centered)
       real(dp), intent(in), contiguous :: z(:)
       !> 1 present, 0 missing
       integer(int8), intent(in), contiguous :: here(:)
       integer, intent(in) :: length
-      real(dp), intent(out), contiguous :: causal(:), centred(:)
+      real(dp), intent(out), contiguous :: causal(:), centered(:)
       real(dp), allocatable :: total(:)
       real(dp) :: last_mean
       integer, allocatable :: count(:)
@@ -83,9 +83,9 @@ contains
          last = min(n, first + length)
          if (k - (length + 1)/2 < 0) last = min(n, k + length/2)
          if (count(last) > count(first)) then
-            centred(k) = (total(last) - total(first))/(count(last) - count(first))
+            centered(k) = (total(last) - total(first))/(count(last) - count(first))
          else
-            centred(k) = causal(k)
+            centered(k) = causal(k)
          end if
       end do
    end subroutine moving_averages

@@ -12,12 +12,12 @@ program consumer
    do i = 1, size(rate)
       rate(i) = modulo(0.6180339887498949_dp*real(i, dp)**2, 1.0_dp)
    end do
-   call characterise(rate)
+   call characterize(rate)
 
 contains
 
    !> Prints the first point of the deviation curve and the coefficient of the white noise.
-   subroutine characterise(rate)
+   subroutine characterize(rate)
       !> [n] samples, 0.01 s apart
       real(dp), intent(in) :: rate(:)
       type(error_type), allocatable :: error
@@ -30,6 +30,6 @@ contains
       print "(a)", "gyroakf "//release_string
       print "(a, f8.6)", "deviation at 0.01 s ", curve%deviation(1)
       print "(a, f7.4)", "N ", noise%coefficient(2)%value
-   end subroutine characterise
+   end subroutine characterize
 
 end program consumer

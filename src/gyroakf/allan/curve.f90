@@ -37,7 +37,7 @@ module gyroakf_allan_curve
       !> Averaging times in seconds; deviation and its limits in the unit of the rate; equivalent
       !> degrees of freedom
       real(dp), allocatable :: tau(:), deviation(:), lower(:), upper(:), edf(:)
-      !> Exponent of the power-law noise that dominates (2 quantisation, 0 white, -1 flicker, -2
+      !> Exponent of the power-law noise that dominates (2 quantization, 0 white, -1 flicker, -2
       !> random walk)
       integer, allocatable :: alpha(:)
       !> Degrees of freedom that the terms have of those of a complete record, below 1 where samples

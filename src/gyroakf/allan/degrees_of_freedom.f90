@@ -35,7 +35,7 @@ contains
       !> Averaging factor, >= 1
       integer(int64), intent(in) :: m
       !> Exponent of the power-law noise of the rate, spectrum ~ f**alpha: 2 white phase
-      !> (quantisation), 1 flicker phase, 0 white rate, -1 flicker, -2 random walk; moved to the
+      !> (quantization), 1 flicker phase, 0 white rate, -1 flicker, -2 random walk; moved to the
       !> nearest value the difference can handle, 2 .. 2 - 2 d
       integer, intent(in) :: alpha
       !> Order of the difference: 1, 2 (Allan) or 3 (Hadamard)

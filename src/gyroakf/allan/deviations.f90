@@ -31,6 +31,9 @@
 !> the length of the record, a = 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate
 !> noise.
 !>
+!> The sums are those of [[sum_phase_differences]] (oadev, ohdev, totdev), [[sum_phase_averages]]
+!> (mdev, tdev) and [[sum_windows]] (adev, hdev); M below stands for their number of terms.
+!>
 !> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008),
 !> section 5.2. Missing samples: [[allan_variances]].
 module gyroakf_allan_deviations

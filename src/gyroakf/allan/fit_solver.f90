@@ -207,7 +207,7 @@ contains
             factor(j, j) = factor(j, j)*(1 + raise)
          end do
          call dpotrf("L", size(factor, 1), factor, size(factor, 1), info)
-         if (info == 0) exit
+         if (info == 0 .or. raise > 1) exit
          raise = max(1e-12_dp, 10*raise)
       end do
    end function factor_of

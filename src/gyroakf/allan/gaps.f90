@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Allan-family variances of a record with missing samples.
+!> Allan-family variances, of complete records and of records with missing samples.
 !>
 !> With missing samples the mean of a window is taken over those that are there, and a term counts
 !> when each of its windows is complete enough ([[window_coverage]]). The mean of c out of m samples

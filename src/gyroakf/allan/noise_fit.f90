@@ -5,7 +5,10 @@
 !>     type(noise_type) :: noise
 !>     call fit_noise(curve, options, noise, error)        ! noise%coefficient(2)%value is N
 !>
-!> One generalized least-squares fit ([[gyroakf_allan_fit_solver]]) gives values, standard errors,
+!> Minimizes r^T C^{-1} r over the squared coefficients, r the distances of the Allan variances from
+!> the model ([[gyroakf_allan_noise_model]]), C their covariance ([[gyroakf_allan_fit_covariance]]).
+!> [[gyroakf_allan_read_off]] is the graphical method, for comparison. This one generalized
+!> least-squares fit ([[gyroakf_allan_fit_solver]]) gives values, standard errors,
 !> upper limits, goodness of fit, the choice of terms and of the points
 !> ([[gyroakf_allan_fit_selection]]), and the confidence limits of the curve. It looks at the
 !> octaves m = 1, 2, 4, ... up to a quarter of the record, whatever averaging times the curve is

@@ -30,7 +30,7 @@ module gyroakf_allan_reflection
 
 contains
 
-   !> Adds to the sums of squared second differences those whose centre is less than m from an end;
+   !> Adds to the sums of squared second differences those whose center is less than m from an end;
    !> where samples are missing, differences of the means of the present samples of two windows.
    subroutine add_reflections(phase, m, sums, error, missing, coverage, progress)
       !> Phase, to which missing samples added nothing: [0:n]
@@ -79,7 +79,7 @@ contains
       end do
    end subroutine add_reflections
 
-   !> Both ends: centres j and n - j.
+   !> Both ends: centers j and n - j.
    pure real(dp) function edge_squares(phase, m, first, last)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int64), intent(in) :: m, first, last
@@ -110,7 +110,7 @@ contains
       if (mod(m, 2_int64) == 1) complete_weight = complete_weight - 1/real(m, dp)
    end function complete_weight
 
-   !> Both ends: centres j and n - j.
+   !> Both ends: centers j and n - j.
    pure subroutine gapped_edges(phase, missing, m, coverage, first, last, sums)
       real(dp), intent(in), contiguous :: phase(0:)
       integer(int32), intent(in), contiguous :: missing(0:)
@@ -139,7 +139,7 @@ contains
 
    !> Adds a term if its two windows are complete enough.
    pure subroutine add_edge(m, j, least, outer, inner, twice, once, whole, sums)
-      !> Averaging factor, distance of the centre from the end, samples that a window must have
+      !> Averaging factor, distance of the center from the end, samples that a window must have
       integer(int64), intent(in) :: m, j, least
       !> Sums of the rate in the window that reaches over the end, and in the other
       real(dp), intent(in) :: outer, inner

@@ -1,5 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The Levinson-Durbin recursion: AR models of every order from one set of autocovariances.
+!>
+!> Burg's method makes the same step with reflection coefficients from residuals.
 module gyroakf_ar_levinson
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp

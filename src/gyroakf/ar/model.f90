@@ -11,7 +11,7 @@ module gyroakf_ar_model
    use gyroakf_ar_burg, only : burg_type, compute_burg
    use gyroakf_ar_least_squares, only : compare_orders, fit_order, fitted_order_type
    use gyroakf_ar_levinson, only : solve_levinson
-   use gyroakf_ar_residuals, only : analyse_residuals
+   use gyroakf_ar_residuals, only : analyze_residuals
    use gyroakf_ar_roots, only : find_ar_roots, largest_modulus
    use gyroakf_ar_ar_types, only : ar_options, ar_model_type, ar_order_type, check_options, &
       & check_length, order_criteria, criterion_number, best_order
@@ -270,7 +270,7 @@ contains
       n = size(x, kind=int64) - model%order
       lags = int(min(int(merge(model%order + 20, 20, model%order >= 20), int64), n - 1))
       if (lags < 0) return
-      call analyse_residuals(x, model%mean, model%coefficient, constant, lags, r, pairs, moments, &
+      call analyze_residuals(x, model%mean, model%coefficient, constant, lags, r, pairs, moments, &
          & untested, valid, progress)
       if (allocated(untested)) then
          if (untested%code == status%cancelled) call move_alloc(untested, error)

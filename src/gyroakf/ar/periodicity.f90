@@ -14,7 +14,7 @@ module gyroakf_ar_periodicity
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
-   public :: periodicity_options, periodicity_type, analyse_periodicity, whiten_series, even_length
+   public :: periodicity_options, periodicity_type, analyze_periodicity, whiten_series, even_length
 
    !> A shorter series is refused
    integer(int64), parameter :: min_samples = 32_int64
@@ -54,7 +54,7 @@ contains
    !> ordinates of its periodogram hold three quarters of the power: a sinusoid of at least five
    !> periods that an AR model would predict. A series of 65536 values or more loses its last ones
    !> (and an odd one its last) down to a length with the prime factors 2, 3, 5, 7, 11, 13 only.
-   subroutine analyse_periodicity(x, options, result, error, valid, model, progress)
+   subroutine analyze_periodicity(x, options, result, error, valid, model, progress)
       !> Series: [n], n >= 32 more than the order; finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Model and length
@@ -87,7 +87,7 @@ contains
       else if (error%code == status%singular) then
          deallocate (error)                       ! gaps can cause it: the test of the series stands
       end if
-   end subroutine analyse_periodicity
+   end subroutine analyze_periodicity
 
    !> Fisher's test of the residuals of an AR model; without coefficients, of the series itself.
    subroutine test_residuals(x, mean, phi, longest, result, error, valid, progress)

@@ -11,7 +11,7 @@ module gyroakf_ar_residuals
    use gyroakf_stats_trend, only : trend_type, set_level
    implicit none (type, external)
    private
-   public :: analyse_residuals
+   public :: analyze_residuals
 
    !> Sums over pairs, of `add_pair_sums`: [4 (max_lag + 1)]
    type, extends(chunk_sums_type) :: pair_sums_type
@@ -31,7 +31,7 @@ contains
    !>
    !> $$e_t = (x_t - m) - \sum_j \phi_j (x_{t-j} - m)$$ for the t whose p predecessors exist and are
    !> present. r_k is biased, of n - p residuals about their mean; the sums are about `constant`.
-   subroutine analyse_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid, &
+   subroutine analyze_residuals(x, mean, phi, constant, max_lag, r, pairs, moments, error, valid, &
       & progress)
       !> Series: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
@@ -86,7 +86,7 @@ contains
       call covariances_of_pairs(s, moments%mean, size(x, kind=int64) - size(phi), r, pairs)
       if (moments%count < 1) call fatal_error(error, status%too_few_samples, &
          & "the gaps leave no residual of the AR model")
-   end subroutine analyse_residuals
+   end subroutine analyze_residuals
 
    !> The sums over the residuals of a chunk.
    subroutine add_pairs(self, x, n, chunk, total, stat, valid)

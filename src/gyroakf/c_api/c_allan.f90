@@ -209,7 +209,7 @@ contains
       nullify (curve)
       if (c_associated(a)) call c_f_pointer(a, curve)
       if (.not. (associated(curve) .and. present(out))) call fatal_error(c%error, &
-         & status%invalid_argument, "the curve and the place for the result must not be NULL")
+         & status%invalid_argument, "the curve and the pointer to the result must not be NULL")
       if (ok(c) .and. copied) then
          allocate (copy, source=curve, stat=stat)
          call check_memory(stat, "a deviation curve", c%error)

@@ -157,7 +157,7 @@ contains
       if (associated(spread_of)) call check_finite(spread_of, c%error)
    end subroutine smooth
 
-   !> The place for a model must be there and initialised.
+   !> The place for a model must be there and initialized.
    subroutine check_model_place(error, model)
       !> An earlier error stays
       type(error_type), allocatable, intent(inout) :: error

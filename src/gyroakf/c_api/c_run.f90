@@ -72,7 +72,7 @@ contains
       if (present(out)) out = c_null_ptr
       if (.not. present(out) .or. .not. c_associated(r)) call fatal_error(c%error, &
          & status%invalid_argument, &
-         & "the recording and the place for the result (out) must not be NULL")
+         & "the recording and the pointer to the result (out) must not be NULL")
       call read_options(options, c, opt)
       if (ok(c)) then
          call c_f_pointer(r, record)

@@ -49,7 +49,7 @@ contains
       call enter_library(c)
       if (.not. c_associated(f) .or. .not. present(size_out)) then
          call fatal_error(c%error, status%invalid_argument, &
-            & "the filter and the place for the size must not be NULL")
+            & "the filter and the pointer to the size must not be NULL")
       else
          call c_f_pointer(f, filter)
          call save_filter(filter, word, c%error)

@@ -155,7 +155,7 @@ contains
          call fatal_error(c%error, status%invalid_argument, "max_order must be 0 .. 1000")
       else if (.not. present(order) .or. (max_order > 0 .and. .not. c_associated(phi))) then
          call fatal_error(c%error, status%invalid_argument, &
-            "the places for the order and the coefficients must not be NULL")
+            "the pointers to the order and the coefficients must not be NULL")
       end if
       call check_aligned(phi, c%error)
       options%max_order = max_order

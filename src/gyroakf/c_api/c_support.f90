@@ -138,7 +138,7 @@ contains
             "struct_size of the options is that of a later version of the library")
       else
          call fatal_error(error, status%invalid_argument, &
-            "the options are not initialised: call their _init function first")
+            "the options are not initialized: call their _init function first")
       end if
    end subroutine check_struct_size
 
@@ -166,7 +166,7 @@ contains
 
       if (allocated(error) .or. there) return
       call fatal_error(error, status%invalid_argument, &
-         "the place for the "//what//" must not be NULL")
+         "the pointer to the "//what//" must not be NULL")
    end subroutine check_place
 
    !> Results are finite; those of values near the largest number may overflow.

@@ -4,7 +4,7 @@
 module gyroakf_filter_drift_search
    use gyroakf_kinds, only : dp
    use gyroakf_error, only : error_type
-   use gyroakf_quasi_newton, only : minimise, minimise_options, minimum_type
+   use gyroakf_quasi_newton, only : minimize, minimize_options, minimum_type
    use gyroakf_filter_drift_objective, only : likelihood_objective, invert_curvature, value_at
    use gyroakf_filter_drift_starts, only : from_ar, from_walk, known_type, list_starts, of_all_kinds
    implicit none (type, external)
@@ -55,7 +55,7 @@ contains
          first = minloc(value, dim=1, mask=group == followed(k))
          if (first == 0) cycle
          group(first) = 0
-         call minimise(objective, start(:, first), minimise_options(gradient_tolerance, &
+         call minimize(objective, start(:, first), minimize_options(gradient_tolerance, &
             max_iterations, tolerance, tolerance), other, failed)
          if (allocated(failed)) cycle
          if (.not. allocated(minimum%parameter)) minimum = other
@@ -133,7 +133,7 @@ contains
       real(dp) :: tolerance
 
       tolerance = final_tolerance/real(objective%measurements, dp)
-      call minimise(objective, minimum%parameter, minimise_options(gradient_tolerance, steps, &
+      call minimize(objective, minimum%parameter, minimize_options(gradient_tolerance, steps, &
          tolerance, tolerance), other, failed, inverse)
       if (allocated(failed)) return
       if (other%value <= minimum%value) minimum = other

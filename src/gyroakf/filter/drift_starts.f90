@@ -38,7 +38,7 @@ module gyroakf_filter_drift_starts
    real(dp), parameter :: beside_steps(3) = [1.0e-3_dp, 1.0e-5_dp, 1.0e-7_dp]
    !> Correlation times of an AR(1) process in place of a random walk; the last is as good as that
    real(dp), parameter :: walk_times(4) = [300.0_dp, 1.0e3_dp, 1.0e4_dp, 1.0e6_dp]
-   !> Beside a process that is known: AR(1) noise, some (as quantisation leaves, of negative phi)
+   !> Beside a process that is known: AR(1) noise, some (as quantization leaves, of negative phi)
    !> and next to nothing, shares of the white noise; steps of a random walk, next to nothing
    real(dp), parameter :: faint_phis(4) = [-0.4_dp, 0.37_dp, 0.78_dp, 0.97_dp], faint_shares(2) = &
       [0.3_dp, 1.0e-4_dp]

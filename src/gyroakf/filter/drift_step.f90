@@ -13,7 +13,7 @@ module gyroakf_filter_drift_step
 contains
 
    !> The filter over a series, or the next part of one.
-   pure subroutine run_processes(filter, z, x, valid, normalised_innovation)
+   pure subroutine run_processes(filter, z, x, valid, normalized_innovation)
       !> Of a drift; its state goes on
       type(filter_type), intent(inout) :: filter
       !> Measurements, [n]
@@ -23,7 +23,7 @@ contains
       !> 1 where the measurement is present, [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where there is none
-      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      real(dp), intent(out), contiguous, optional :: normalized_innovation(:)
       integer(int64) :: k
       logical :: here, first
 
@@ -38,9 +38,9 @@ contains
          end if
          x(k) = sum(filter%drift_state%x(:filter%drift_model%count), &
             mask=filter%slow(:filter%drift_model%count))
-         if (present(normalised_innovation)) then
-            normalised_innovation(k) = 0.0_dp
-            if (here .and. .not. first) normalised_innovation(k) = &
+         if (present(normalized_innovation)) then
+            normalized_innovation(k) = 0.0_dp
+            if (here .and. .not. first) normalized_innovation(k) = &
                filter%innovation/sqrt(filter%innovation_variance)
          end if
       end do

@@ -145,7 +145,7 @@ contains
    !> Everything that is known at the end.
    subroutine conclude(filter, sums, result, error)
       type(filter_type), intent(in) :: filter
-      !> Sums over pairs of its normalised innovations
+      !> Sums over pairs of its normalized innovations
       real(dp), intent(in) :: sums(0:longest_lag, 4)
       type(filter_result_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error

@@ -38,13 +38,13 @@ module gyroakf_filter_filter_warnings
       real(dp) :: dc_gain = 0
       !> Variances Q, R and means q, r at the end
       real(dp) :: q = 0, r = 0, q_mean = 0, r_mean = 0
-      !> Mean of the squared normalised innovations; 1 where the stated variances are those of the
+      !> Mean of the squared normalized innovations; 1 where the stated variances are those of the
       !> series
       real(dp) :: nis_mean = 0
       !> Where it lies in 95 of 100 series of the model: quantiles of chi-square over the
       !> innovations' count
       real(dp) :: nis_low = 0, nis_high = 0
-      !> Whiteness of the normalised innovations, 20 lags, no fitted parameters subtracted
+      !> Whiteness of the normalized innovations, 20 lags, no fitted parameters subtracted
       type(ljung_box_type) :: ljung_box
       !> Forgetting factor b; 0: nothing is adapted
       real(dp) :: forgetting = 0

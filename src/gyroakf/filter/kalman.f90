@@ -56,7 +56,7 @@ contains
    end subroutine step_filter
 
    !> A whole series, or the next part of one: the same numbers as step by step.
-   subroutine run_filter(filter, z, x, valid, normalised_innovation)
+   subroutine run_filter(filter, z, x, valid, normalized_innovation)
       !> The filter; its state goes on
       type(filter_type), intent(inout) :: filter
       !> Measurements, [n]; NaN, infinite or beyond 1e149: missing
@@ -66,7 +66,7 @@ contains
       !> 1 where the measurement is present, 0 where it is missing, [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where missing
-      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      real(dp), intent(out), contiguous, optional :: normalized_innovation(:)
       procedure(run_vector), pointer :: run
 
       run => run_vector
@@ -77,12 +77,12 @@ contains
       end if
       ! an absent optional is not passed on: the undefined-behavior sanitizer of gfortran 12 stops
       ! there
-      if (present(valid) .and. present(normalised_innovation)) then
-         call run(filter, z, x, valid, normalised_innovation)
+      if (present(valid) .and. present(normalized_innovation)) then
+         call run(filter, z, x, valid, normalized_innovation)
       else if (present(valid)) then
          call run(filter, z, x, valid)
-      else if (present(normalised_innovation)) then
-         call run(filter, z, x, normalised_innovation=normalised_innovation)
+      else if (present(normalized_innovation)) then
+         call run(filter, z, x, normalized_innovation=normalized_innovation)
       else
          call run(filter, z, x)
       end if
@@ -102,12 +102,12 @@ contains
    end subroutine freeze_filter
 
    !> The filter of any order over a series.
-   pure subroutine run_vector(filter, z, x, valid, normalised_innovation)
+   pure subroutine run_vector(filter, z, x, valid, normalized_innovation)
       type(filter_type), intent(inout) :: filter
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(out), contiguous :: x(:)
       integer(int8), intent(in), optional :: valid(:)
-      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      real(dp), intent(out), contiguous, optional :: normalized_innovation(:)
       integer(int64) :: k
       logical :: here
 
@@ -116,9 +116,9 @@ contains
          if (present(valid)) here = here .and. valid(k) /= 0_int8
          call step_order(filter, z(k), here)
          x(k) = filter%x(1)
-         if (present(normalised_innovation)) then
-            normalised_innovation(k) = 0.0_dp
-            if (here) normalised_innovation(k) = filter%innovation/sqrt(filter%innovation_variance)
+         if (present(normalized_innovation)) then
+            normalized_innovation(k) = 0.0_dp
+            if (here) normalized_innovation(k) = filter%innovation/sqrt(filter%innovation_variance)
          end if
       end do
    end subroutine run_vector

@@ -15,6 +15,9 @@
 !> negative; "biased" adds the prior there. One number, e^2 - S, drives Q and R alike: their sum is
 !> identifiable, their ratio is not.
 !>
+!> For a state of one coefficient [[gyroakf_filter_scalar]] holds an inlined copy of `adapt_noise`;
+!> a test compares both.
+!>
 !> Source: Sage & Husa, Adaptive filtering with unknown prior statistics, JACC 1969, 760-769.
 !> Against Yi et al.: eq. (20) with Phi P_{k-1} Phi', eq. (22) with the prior (but for "paper"), d_k
 !> with k counted from 1. The identities follow from P = P- - K S K'; a test compares them with the

@@ -13,12 +13,12 @@ module gyroakf_filter_scalar
    private
    public :: run_scalar
 
-   !> What changes from step to step, and what a step needs to know: plain numbers only, so that the
+   !> State and constants of a step, scalars only, so that the
    !> compiler keeps a local of this type in registers. It does so only while no component is an
    !> argument of a procedure that is not inlined (no public one is in position-independent code):
-   !> else every step goes through memory. What adaptation changes has no neighbor here that is its
-   !> neighbor in the filter: loaded as a pair, just after it was stored one by one, it would hold
-   !> up the next step
+   !> else every step goes through memory. No two components that adaptation changes
+   !> are neighbors both here and in the filter: a pair loaded just after its halves were stored
+   !> stalls store forwarding
    type :: lane_type
       real(dp) :: phi, phi2, state, p, r_mean, q, weight, r, forgetting, q_mean
       real(dp) :: prior, s, gain, share, innovation, square, clipped
@@ -41,7 +41,7 @@ contains
 
    !> The filter over a series, or the next part of one. A single sample takes this way too:
    !> `advance` is inlined as long as nothing else calls it.
-   pure subroutine run_scalar(filter, z, x, valid, normalised_innovation)
+   pure subroutine run_scalar(filter, z, x, valid, normalized_innovation)
       !> Of order 1; its state goes on
       type(filter_type), intent(inout) :: filter
       !> Measurements, [n]
@@ -51,7 +51,7 @@ contains
       !> 1 where the measurement is present, [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where missing
-      real(dp), intent(out), contiguous, optional :: normalised_innovation(:)
+      real(dp), intent(out), contiguous, optional :: normalized_innovation(:)
       type(lane_type) :: lane
       integer(int64) :: k
       logical :: here
@@ -62,9 +62,9 @@ contains
          if (present(valid)) here = here .and. valid(k) /= 0_int8
          call advance(lane, z(k), here)
          x(k) = lane%state
-         if (present(normalised_innovation)) then
-            normalised_innovation(k) = 0.0_dp
-            if (here .and. lane%s > 0.0_dp) normalised_innovation(k) = lane%innovation/sqrt(lane%s)
+         if (present(normalized_innovation)) then
+            normalized_innovation(k) = 0.0_dp
+            if (here .and. lane%s > 0.0_dp) normalized_innovation(k) = lane%innovation/sqrt(lane%s)
          end if
       end do
       call store(lane, size(z, kind=int64), filter)

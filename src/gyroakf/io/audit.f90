@@ -242,7 +242,7 @@ contains
       real(dp), intent(in), contiguous :: value(:, :)
       !> [sample, channel] 1 present, 0 missing; unallocated where nothing is missing
       integer(int8), allocatable, intent(in) :: present_mask(:, :)
-      !> What they show: samples, missing, extremes, quantisation
+      !> What they show: samples, missing, extremes, quantization
       type(audit_type), intent(inout) :: audit
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
@@ -250,7 +250,7 @@ contains
       integer :: j, channels
 
       channels = size(value, 2)
-      allocate (audit%minimum(channels), audit%maximum(channels), audit%quantisation(channels))
+      allocate (audit%minimum(channels), audit%maximum(channels), audit%quantization(channels))
       audit%samples = size(value, 1, kind=int64)
       audit%missing = 0
       do j = 1, channels
@@ -259,10 +259,10 @@ contains
          if (allocated(present_mask)) then
             audit%missing = audit%missing + audit%samples - sum(int(present_mask(:, j), int64))
             call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), &
-               audit%quantisation(j), present_mask(:, j))
+               audit%quantization(j), present_mask(:, j))
          else
             call scan_extremes(value(:, j), audit%minimum(j), audit%maximum(j), &
-               audit%quantisation(j))
+               audit%quantization(j))
          end if
       end do
    end subroutine audit_values

@@ -2,7 +2,7 @@
 !> Numbers as machines store them: integers and IEEE floating point, 1 to 8 bytes, any byte order.
 !>
 !> Conversion looks at bits only: a NaN or an infinity of the file becomes a quiet NaN (missing)
-!> without a floating-point operation, so that no trap is sprung, not even by a signalling NaN.
+!> without a floating-point operation, so that no trap is sprung, not even by a signaling NaN.
 module gyroakf_io_element
    use, intrinsic :: iso_c_binding, only : c_f_pointer, c_ptr
    use, intrinsic :: iso_fortran_env, only : real32

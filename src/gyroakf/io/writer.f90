@@ -46,8 +46,8 @@ module gyroakf_io_writer
       logical :: failed = .false.
       !> True where all is written and only the renaming is left
       logical :: complete = .false.
-      !> A report goes to a terminal that shows UTF-8, colours; of no meaning to the writer itself
-      logical :: unicode = .false., colour = .false.
+      !> A report goes to a terminal that shows UTF-8, colors; of no meaning to the writer itself
+      logical :: unicode = .false., color = .false.
       !> A report goes into a page
       type(markup_type) :: markup
    end type writer_type

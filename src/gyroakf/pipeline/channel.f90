@@ -31,7 +31,7 @@ module gyroakf_pipeline_channel
 
 contains
 
-   !> Characterises and filters one channel.
+   !> Characterizes and filters one channel.
    subroutine run_channel(given, channel, error)
       !> With the samples as read; the cleaned ones are added here
       type(job_type), intent(in) :: given
@@ -123,7 +123,7 @@ contains
          if (described .and. .not. allocated(error)) call withhold(job, channel)
          if (options%do_allan .and. .not. allocated(error)) call run_halves(job, channel, error)
          if (options%do_filter .and. channel%available%ar .and. .not. allocated(error)) then
-            call filter_centred(job, channel, error)
+            call filter_centered(job, channel, error)
             if (.not. allocated(error)) call compare_coefficients(channel)
          end if
       end associate
@@ -173,11 +173,11 @@ contains
    end subroutine run_halves
 
    !> Filters the series without its mean; a copy is made only where the mean counts.
-   subroutine filter_centred(job, channel, error)
+   subroutine filter_centered(job, channel, error)
       type(job_type), intent(in) :: job
       type(channel_result_type), intent(inout) :: channel
       type(error_type), allocatable, intent(out) :: error
-      real(dp), allocatable :: centred(:)
+      real(dp), allocatable :: centered(:)
       integer :: stat
 
       associate (mean => channel%cleaned%mean)
@@ -185,14 +185,14 @@ contains
             call run_filters(job, job%z, 0.0_dp, channel, error)
             return
          end if
-         allocate (centred(size(job%z, kind=int64)), stat=stat)
+         allocate (centered(size(job%z, kind=int64)), stat=stat)
          call check_memory(stat, "the series without its mean", error)
          if (allocated(error)) return
-         centred(:) = job%z - mean
+         centered(:) = job%z - mean
          call add_text(channel%warnings, "the filters work on the series less its mean of "// &
             format_real(mean, 5)//"; their outputs are without it", note=.true.)
-         call run_filters(job, centred, mean, channel, error)
+         call run_filters(job, centered, mean, channel, error)
       end associate
-   end subroutine filter_centred
+   end subroutine filter_centered
 
 end module gyroakf_pipeline_channel

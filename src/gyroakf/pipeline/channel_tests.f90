@@ -12,14 +12,14 @@ module gyroakf_pipeline_channel_tests
    use gyroakf_record, only : add_text
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
-   use gyroakf_ar_periodicity, only : periodicity_options, analyse_periodicity
+   use gyroakf_ar_periodicity, only : periodicity_options, analyze_periodicity
    use gyroakf_stats_anderson_darling, only : test_anderson_darling, rounding_statistic
    use gyroakf_stats_autocovariance, only : autocovariance_type, compute_autocovariance, &
       need_autocovariance, plan_autocovariance
    use gyroakf_stats_correlation, only : correlation_of
    use gyroakf_stats_moments, only : moments_type
    use gyroakf_stats_normality, only : judge_normality, test_jarque_bera
-   use gyroakf_stats_quantization, only : find_quantisation, coarse_ratio
+   use gyroakf_stats_quantization, only : find_quantization, coarse_ratio
    use gyroakf_stats_welch, only : welch_options, welch_spectrum
    use gyroakf_stats_whiteness, only : ljung_box_of
    use gyroakf_series_adf, only : test_adf
@@ -74,8 +74,8 @@ contains
 
       call report_progress("steps of the samples", 0_int64, 0_int64, error, job%progress)
       if (allocated(error)) return
-      call find_quantisation(job%x, channel%cleaned%std, channel%quantisation, error, job%valid)
-      call note_failure(channel%unavailable, "quantisation", error, channel%available%quantisation)
+      call find_quantization(job%x, channel%cleaned%std, channel%quantization, error, job%valid)
+      call note_failure(channel%unavailable, "quantization", error, channel%available%quantization)
    end subroutine find_step
 
    !> All tests of a series.
@@ -155,7 +155,7 @@ contains
       real(dp), intent(in), contiguous :: z(:)
       !> The channel in work
       type(job_type), intent(in) :: job
-      !> `quantisation` and `jarque_bera` are filled
+      !> `quantization` and `jarque_bera` are filled
       type(channel_result_type), intent(inout) :: channel
       !> no_memory, cancelled and the like; all else is noted in the channel
       type(error_type), allocatable, intent(out) :: error
@@ -176,7 +176,7 @@ contains
 
       associate (test => channel%anderson_darling, moments => channel%jarque_bera)
          p_value = moments%p_value
-         rounding = rounding_statistic(channel%quantisation%ratio, test%samples)
+         rounding = rounding_statistic(channel%quantization%ratio, test%samples)
          if (channel%available%anderson_darling .and. test%stride == 1 .and. &
              rounding < negligible_rounding) p_value = test%p_value
          channel%normality = judge_normality(moments%skewness, moments%kurtosis, p_value)
@@ -188,7 +188,7 @@ contains
       type(channel_result_type), intent(inout) :: channel
       character(:), allocatable :: share
 
-      associate (grid => channel%quantisation)
+      associate (grid => channel%quantization)
          if (grid%ratio < coarse_ratio) return
          share = format_real(100.0_dp*grid%variance_share, 2)//" % of the variance are rounding"
          if (grid%variance_share >= 1.0_dp) share = "rounding hides the noise"
@@ -226,10 +226,10 @@ contains
       choice%longest = longest_part
       choice%ar = job%options%ar
       if (channel%available%ar) then
-         call analyse_periodicity(job%z, choice, channel%periodicity, error, job%valid, &
+         call analyze_periodicity(job%z, choice, channel%periodicity, error, job%valid, &
                                   channel%ar, job%progress)
       else
-         call analyse_periodicity(job%z, choice, channel%periodicity, error, job%valid, &
+         call analyze_periodicity(job%z, choice, channel%periodicity, error, job%valid, &
                                   progress=job%progress)
       end if
       call note_failure(channel%unavailable, "Fisher's test", error, channel%available%periodicity)

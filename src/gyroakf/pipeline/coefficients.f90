@@ -63,7 +63,7 @@ contains
       type(noise_options) :: noise_of_stage
 
       noise_of_stage = job%options%noise
-      if (which <= stage%cleaned) noise_of_stage%lsb = channel%quantisation%step
+      if (which <= stage%cleaned) noise_of_stage%lsb = channel%quantization%step
       if (which <= stage%outliers_removed) noise_of_stage = options_beside(noise_of_stage, &
                                                                            channel%verdict)
       if (which == stage%compensated) call end_before_smoother(channel, noise_of_stage)

@@ -12,7 +12,7 @@ module gyroakf_pipeline_result
    use gyroakf_series_adf, only : adf_options, adf_type
    use gyroakf_stats_normality, only : jarque_bera_type
    use gyroakf_stats_anderson_darling, only : anderson_darling_options, anderson_darling_type
-   use gyroakf_stats_quantization, only : quantisation_type
+   use gyroakf_stats_quantization, only : quantization_type
    use gyroakf_stats_whiteness, only : ljung_box_type
    use gyroakf_stats_correlation, only : correlation_type
    use gyroakf_series_kpss, only : kpss_options, kpss_type
@@ -92,7 +92,7 @@ module gyroakf_pipeline_result
       !> The smoothed drift, and with it what is left of the record without it
       logical :: drift_smoother = .false.
       logical :: halves = .false.
-      logical :: anderson_darling = .false., quantisation = .false.
+      logical :: anderson_darling = .false., quantization = .false.
       logical :: kpss = .false., correlation = .false.
       logical :: periodicity = .false., spectrum = .false.
    end type available_type
@@ -173,7 +173,7 @@ module gyroakf_pipeline_result
       !> where the series was thinned or rounding alone adds 0.1 or more to A2; "": not tested
       character(9) :: normality = ""
       !> The grid of the record as read, compared with the standard deviation of the cleaned series
-      type(quantisation_type) :: quantisation
+      type(quantization_type) :: quantization
       type(kpss_type) :: kpss
       !> Autocorrelation of the series that was tested
       type(correlation_type) :: correlation

@@ -199,7 +199,7 @@ contains
                int64))//" octaves: they are excluded from the fit", note=.true.)
          end if
          if (noise%unquantized%state == "withheld") call add_text(channel%warnings, &
-            "the step of the samples, "//format_real(channel%quantisation%step, 4)// &
+            "the step of the samples, "//format_real(channel%quantization%step, 4)// &
             ", is not small beside the noise: N is that of the record as quantized, "// &
             "which may be far from that of the sensor")
          if (noise%errors_increased) call add_text(channel%warnings, "the Allan deviation is "// &

@@ -11,7 +11,7 @@ module gyroakf_preprocess_clean
    use gyroakf_stats_trend_fit, only : fit_trend
    use gyroakf_preprocess_auto_outliers, only : find_auto_outliers
    use gyroakf_preprocess_outlier_rules, only : check_method, default_threshold, &
-      & mark_outliers, robust_centre
+      & mark_outliers, robust_center
    use gyroakf_preprocess_local_outliers, only : largest_half_width, mark_hampel
    use gyroakf_preprocess_truncation, only : expected_false_alarms, truncated_deviation, final_cut
    use gyroakf_preprocess_running_residual, only : find_coarse_step
@@ -214,7 +214,7 @@ contains
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
       integer(int64) :: changed
-      real(dp) :: step, limit, centre, scale
+      real(dp) :: step, limit, center, scale
       logical :: keep
 
       call still_cleaning(error, progress)
@@ -235,15 +235,15 @@ contains
                & limit/result%threshold, keep, mask, changed, result%removed, error, valid, &
                & progress)
          case ("mad")
-            call robust_centre(cleaned, centre, scale, error, valid, progress)
+            call robust_center(cleaned, center, scale, error, valid, progress)
          case default
             call compute_moments(cleaned, moments, mask)
-            centre = moments%mean
+            center = moments%mean
             scale = moments%std
          end select
          if (.not. allocated(error)) call still_cleaning(error, progress)
          if (allocated(error)) return
-         if (options%method /= "hampel") call mark_outliers(cleaned, centre, &
+         if (options%method /= "hampel") call mark_outliers(cleaned, center, &
             & max(result%threshold*scale, limit), keep, mask, changed, result%removed, valid)
          result%converged = changed == 0
          if (result%converged) return

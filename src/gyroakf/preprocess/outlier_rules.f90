@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Rules that tell an outlier: |residual - centre| > threshold x scale.
+!> Rules that tell an outlier: |residual - center| > threshold x scale.
 !>
-!> | method | centre and scale | threshold |
+!> | method | center and scale | threshold |
 !> |---|---|---|
 !> | `pauta` | mean and standard deviation (divisor n - 1) of the inliers | 3 |
 !> | `auto`  | running median, median distance from it ([[find_auto_outliers]]) | for the length |
@@ -23,7 +23,7 @@ module gyroakf_preprocess_outlier_rules
    use gyroakf_preprocess_local_outliers, only : mad_to_sigma, set_mark
    implicit none (type, external)
    private
-   public :: check_method, default_threshold, robust_centre, mark_outliers
+   public :: check_method, default_threshold, robust_center, mark_outliers
 
 contains
 
@@ -58,11 +58,11 @@ contains
    end function default_threshold
 
    !> Median, and 1.4826 times the median distance from it.
-   subroutine robust_centre(x, centre, scale, error, valid, progress)
+   subroutine robust_center(x, center, scale, error, valid, progress)
       !> Residuals: [n]
       real(dp), intent(in), contiguous :: x(:)
       !> The two
-      real(dp), intent(out) :: centre, scale
+      real(dp), intent(out) :: center, scale
       !> too_few_samples, no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
@@ -71,20 +71,20 @@ contains
       class(progress_type), intent(inout), optional :: progress
 
       scale = 0.0_dp
-      call find_median(x, centre, error, valid)
+      call find_median(x, center, error, valid)
       if (allocated(error)) return
       call report_progress("cleaning", 0_int64, 0_int64, error, progress)
       if (allocated(error)) return
-      call find_deviation(x, centre, scale, error, valid)
+      call find_deviation(x, center, scale, error, valid)
       scale = mad_to_sigma*scale
-   end subroutine robust_centre
+   end subroutine robust_center
 
    !> Marks the samples beyond the limit and unmarks those within.
-   subroutine mark_outliers(x, centre, limit, keep, inlier, changed, removed, valid)
+   subroutine mark_outliers(x, center, limit, keep, inlier, changed, removed, valid)
       !> Residuals: [n]
       real(dp), intent(in), contiguous :: x(:)
-      !> Marked is |x - centre| > limit
-      real(dp), intent(in) :: centre, limit
+      !> Marked is |x - center| > limit
+      real(dp), intent(in) :: center, limit
       !> .true.: a mark stays, whatever the limit
       logical, intent(in) :: keep
       !> 1 inlier, 0 outlier or missing: [n]
@@ -104,7 +104,7 @@ contains
          if (present(valid)) then
             if (valid(i) == 0_int8) cycle
          end if
-         call set_mark(abs(x(i) - centre) > limit, keep, inlier(i), changed, removed)
+         call set_mark(abs(x(i) - center) > limit, keep, inlier(i), changed, removed)
       end do
       !$omp end parallel do
    end subroutine mark_outliers

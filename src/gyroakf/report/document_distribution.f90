@@ -63,7 +63,7 @@ contains
       call out%put("normality", trim(channel%normality), channel%available%jarque_bera, &
                    shown=.false.)
       associate (is => channel%available, test => channel%anderson_darling, &
-                 steps => channel%quantisation)
+                 steps => channel%quantization)
          if (out%opens("anderson_darling", is%anderson_darling, "Anderson-Darling")) then
             call out%remark(rejection_text("normality", test%p_value < level))
             call out%put("statistic", test%statistic)
@@ -74,8 +74,8 @@ contains
             call out%put("stride", test%stride)
             call out%close()
          end if
-         if (out%opens("quantisation", is%quantisation, "Quantization", steps%quantised)) then
-            call out%put("quantised", steps%quantised, title="quantized")
+         if (out%opens("quantisation", is%quantization, "Quantization", steps%quantized)) then
+            call out%put("quantised", steps%quantized, title="quantized")
             call out%put("step", steps%step)
             call out%put("step_over_std", steps%ratio)
             call out%put("variance_share", steps%variance_share)

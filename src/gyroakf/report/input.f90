@@ -217,7 +217,7 @@ contains
             purpose = if_known(column%is_time, "time", "not analyzed")
             if (c > 0) then
                range = [record%audit%minimum(c), record%audit%maximum(c), &
-                        record%audit%quantisation(c)]
+                        record%audit%quantization(c)]
                call view_channel(record, c, view)
                unit = text_or(view%unit%name, unit)
                purpose = "analyzed"

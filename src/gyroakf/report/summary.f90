@@ -16,7 +16,7 @@ module gyroakf_report_summary
    use gyroakf_utf8, only : text_width
    implicit none (type, external)
    private
-   public :: summary_row_type, summarise, write_summary_csv, write_summary_json, write_summary_table
+   public :: summary_row_type, summarize, write_summary_csv, write_summary_json, write_summary_table
 
    !> One file
    type :: summary_row_type
@@ -42,7 +42,7 @@ contains
 
    !> A file that was worked on, or that failed: then with a record that was not read, which has
    !> no channels.
-   subroutine summarise(command, path, folder, record, row, result, code, message)
+   subroutine summarize(command, path, folder, record, row, result, code, message)
       !> run, inspect, allan, tests, ar, filter
       character(*), intent(in) :: command
       !> As it was given
@@ -119,7 +119,7 @@ contains
                               size(warnings), row%code /= 0)
       end subroutine add_channel
 
-   end subroutine summarise
+   end subroutine summarize
 
    !> summary.csv: a line per file and channel; a file that failed has one line. nan where a number
    !> is not known.

@@ -156,7 +156,7 @@ contains
       table%number = "II"
       table%caption = "Before and after the filters"
       if (.not. has_unit(record)) table%caption = table%caption//", in input units"
-      call add_row(table, "", "mean", "variance", "share", "gain", "passes", "NIS", "|rho|", &
+      call add_row(table, "", "mean", "variance", "ratio", "gain", "DC gain", "NIS", "|rho|", &
                    "innov.")
       if (has_unit(record)) call add_row(table, "", unit_name(record), &
                                          "("//unit_name(record)//")^2")
@@ -177,8 +177,8 @@ contains
             call add_cell(table, "")
             call add_cell(table, fixed(channel%drift_smoother_figures%lost_percent/100, 4))
          end if
-         text = "share: variance over that of the series above that is filtered. gain: mean of "// &
-            "the last third. passes: share of a constant rotation (DC gain). NIS: mean squared "// &
+         text = "ratio: variance over that of the series above that is filtered. gain: mean of "// &
+            "the last third. DC gain: share of a constant rotation passed. NIS: mean squared "// &
             "normalized innovation, 1 where Q and R describe the innovations"
          if (is%kf .and. channel%kf%nis_high > 0.0_dp) text = text//" (95 % of such filters "// &
             "within "//fixed(channel%kf%nis_low, 3)//" to "//fixed(channel%kf%nis_high, 3)//")"

@@ -65,7 +65,7 @@ contains
       character(:), allocatable :: shown
 
       shown = text
-      if (writer%colour .and. color /= "" .and. text /= "") then
+      if (writer%color .and. color /= "" .and. text /= "") then
          shown = achar(27)//"["//color//"m"//text//achar(27)//"[0m"
       end if
    end function painted

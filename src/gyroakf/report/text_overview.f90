@@ -53,10 +53,10 @@ contains
       subroutine make_filters()
          call new_table(table, 9, head=2)
          call add_row(table, "", "outliers", "AR", "KF", "", "AKF", "", "drift KF", "smoother")
-         call add_row(table, "", "", "order", "share", "passes", "share", "passes", "share", &
-                      "share")
-         table%note = "share: variance of the output over that of the input. passes: share of "// &
-            "a constant rotation"
+         call add_row(table, "", "", "order", "ratio", "DC gain", "ratio", "DC gain", &
+                      "ratio", "ratio")
+         table%note = "ratio: variance of the output over that of the input. DC gain: share of "// &
+            "a constant rotation that passes"
          do c = 1, size(result%channel)
             associate (one => result%channel(c), is => result%channel(c)%available)
                call add_row(table, one%name, &

@@ -1,5 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Unit root of a series: the augmented Dickey-Fuller test.
+!>
+!> Products of the regression: [[gyroakf_stats_lagged_gram]]; t statistic:
+!> [[gyroakf_series_adf_factor]]; number of lags: [[gyroakf_series_adf_lags]]; critical values and
+!> p-values: [[gyroakf_series_mackinnon]].
 module gyroakf_series_adf
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int8, int64

@@ -8,7 +8,7 @@
 !>
 !> | term | PSD of the rate | Allan variance |
 !> |---|---|---|
-!> | Q, u s: quantisation of the angle | Q^2 (2 pi f)^2 | 3 Q^2/tau^2 |
+!> | Q, u s: quantization of the angle | Q^2 (2 pi f)^2 | 3 Q^2/tau^2 |
 !> | N, u sqrt(s): angle random walk | N^2 | N^2/tau |
 !> | B, u: bias instability, 1/f | B^2/(2 pi f) | (2 ln 2/pi) B^2 |
 !> | K, u/sqrt(s): rate random walk | K^2/(2 pi f)^2 | K^2 tau/3 |
@@ -24,7 +24,7 @@ module gyroakf_simulate_noise
    use gyroakf_random, only : random_type, next_normal, next_uniform, next_laplace, next_t5
    implicit none (type, external)
    private
-   public :: add_quantisation_noise, add_white, add_flicker, add_random_walk, &
+   public :: add_quantization_noise, add_white, add_flicker, add_random_walk, &
       add_autoregressive
 
    !> Variates less one between two calls of the progress: a power of two less one
@@ -33,10 +33,10 @@ module gyroakf_simulate_noise
 
 contains
 
-   !> Adds the quantisation noise of the angle: differences of independent errors of the angle.
+   !> Adds the quantization noise of the angle: differences of independent errors of the angle.
    !>
    !> $$ x_i \mathrel{+}= Q (g_{i+1} - g_i)/t_0 $$
-   subroutine add_quantisation_noise(x, q, t0, random, error, progress)
+   subroutine add_quantization_noise(x, q, t0, random, error, progress)
       !> Rates: [n]
       real(dp), intent(inout), contiguous :: x(:)
       !> Standard deviation of the angle's error, u s, >= 0 (a step of the angle / sqrt(12))
@@ -61,7 +61,7 @@ contains
          x(i) = x(i) + q*(after - before)/t0
          before = after
       end do
-   end subroutine add_quantisation_noise
+   end subroutine add_quantization_noise
 
    !> Adds white noise, the derivative of the angle's random walk.
    !>

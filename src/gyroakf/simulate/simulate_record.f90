@@ -14,7 +14,7 @@ module gyroakf_simulate_simulate_record
    use gyroakf_units, only : parse_unit
    use gyroakf_record, only : record_type, add_text
    use gyroakf_random, only : random_type, seed_random
-   use gyroakf_simulate_noise, only : add_quantisation_noise, add_white, add_flicker, &
+   use gyroakf_simulate_noise, only : add_quantization_noise, add_white, add_flicker, &
       add_random_walk, add_autoregressive
    use gyroakf_simulate_disturbance, only : add_polynomial, add_warm_up, add_motion, add_outliers, &
       lose_samples
@@ -41,7 +41,7 @@ contains
    !> Makes a record of one channel, "gx".
    !>
    !> Its true drift is what moves slowly or stays: 1/f noise B, random walk K, ramp R, the AR
-   !> process, Gauss-Markov processes, warm-up, trend and offset; not quantisation noise Q and white
+   !> process, Gauss-Markov processes, warm-up, trend and offset; not quantization noise Q and white
    !> noise N, vibration, motion, outliers and rounding. It is known where samples are lost, too.
    !>
    !> Noise, trend and offset pass the filters of the sensor, settled at the first sample; they
@@ -222,7 +222,7 @@ contains
 
       t0 = 1/options%rate_hz
       associate (c => options%coefficient)
-         if (fast .and. c(1) > 0) call add_quantisation_noise(x, c(1), t0, random(stream_q), &
+         if (fast .and. c(1) > 0) call add_quantization_noise(x, c(1), t0, random(stream_q), &
             error, progress)
          if (allocated(error)) return
          if (fast .and. c(2) > 0) call add_white(x, c(2), t0, options%tails, random(stream_n), &

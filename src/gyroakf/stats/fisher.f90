@@ -58,27 +58,27 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
       type(real_fft_plan_type) :: plan
-      real(dp), allocatable :: centred(:)
+      real(dp), allocatable :: centered(:)
       complex(dp), allocatable :: spectrum(:)
       integer(int64) :: n
       integer :: stat
 
       n = size(x, kind=int64)
-      call centre_and_scale(x, centred, error, valid, progress)
+      call center_and_scale(x, centered, error, valid, progress)
       if (allocated(error)) return
       allocate (spectrum(0:n/2), stat=stat)
       call check_memory(stat, "the spectrum of the series", error)
       if (allocated(error)) return
       call new_real_fft_plan(plan, n, error, progress)
-      if (.not. allocated(error)) call real_fft_forward(plan, centred, spectrum, error, progress)
+      if (.not. allocated(error)) call real_fft_forward(plan, centered, spectrum, error, progress)
       if (.not. allocated(error)) call report_progress("Fourier transform", n, n, error, progress)
       if (.not. allocated(error)) call fisher_of_spectrum(spectrum, n, result, error)
    end subroutine test_fisher_g
 
    !> Samples less their mean, times a power of two: the largest is 1/2 .. 1; 0 where missing.
-   subroutine centre_and_scale(x, centred, error, valid, progress)
+   subroutine center_and_scale(x, centered, error, valid, progress)
       real(dp), intent(in), contiguous :: x(:)
-      real(dp), allocatable, intent(out) :: centred(:)
+      real(dp), allocatable, intent(out) :: centered(:)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
@@ -100,7 +100,7 @@ contains
             & "the series is constant, there is nothing periodic in it")
          return
       end if
-      allocate (centred(0:n - 1), stat=stat)
+      allocate (centered(0:n - 1), stat=stat)
       call check_memory(stat, "a copy of the series", error)
       if (allocated(error)) return
       size_of_all = exponent(max(abs(lowest), abs(highest)))
@@ -110,21 +110,21 @@ contains
          if (iand(i, report_mask) == 0) call report_progress("Fourier transform", 0_int64, n, &
             & error, progress)
          if (allocated(error)) return
-         centred(i) = 0.0_dp
+         centered(i) = 0.0_dp
          if (present(valid)) then
             if (valid(i + 1) == 0_int8) cycle
          end if
-         centred(i) = scale(scale(x(i + 1), -size_of_all) - lowest, -power)
+         centered(i) = scale(scale(x(i + 1), -size_of_all) - lowest, -power)
       end do
       mean = 0.0_dp
       do i = 0, n - 1, block_length
-         mean = mean + sum(centred(i:min(i + block_length, n) - 1))
+         mean = mean + sum(centered(i:min(i + block_length, n) - 1))
       end do
       mean = mean/real(number, dp)
-      centred = centred - mean
+      centered = centered - mean
       if (.not. present(valid)) return
-      where (valid == 0_int8) centred = 0.0_dp
-   end subroutine centre_and_scale
+      where (valid == 0_int8) centered = 0.0_dp
+   end subroutine center_and_scale
 
    !> Fisher's test from the Fourier transform of the series.
    subroutine fisher_of_spectrum(spectrum, n, result, error)

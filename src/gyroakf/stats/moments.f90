@@ -191,7 +191,7 @@ contains
    pure type(sums_type) function reduce(x, shift, per_unit) result(s)
       real(dp), intent(in), contiguous :: x(:)
       real(dp), intent(in) :: shift, per_unit
-      real(dp) :: total, m1, m2, m3, m4, low, high, d, d2, centre, in_units
+      real(dp) :: total, m1, m2, m3, m4, low, high, d, d2, center, in_units
       integer :: i, n
 
       n = size(x)
@@ -210,19 +210,19 @@ contains
       do i = 1, n
          total = total + (x(i)*per_unit - in_units)
       end do
-      centre = total/real(n, dp)
+      center = total/real(n, dp)
       m1 = 0.0_dp; m2 = 0.0_dp; m3 = 0.0_dp; m4 = 0.0_dp
       !$omp simd reduction(+:m1, m2, m3, m4)
       do i = 1, n
-         d = (x(i)*per_unit - in_units) - centre
+         d = (x(i)*per_unit - in_units) - center
          d2 = d*d
          m1 = m1 + d
          m2 = m2 + d2
          m3 = m3 + d2*d
          m4 = m4 + d2*d2
       end do
-      d = m1/real(n, dp)                        ! from a centre near the mean to the mean
-      s%mean = centre + d
+      d = m1/real(n, dp)                        ! from a center near the mean to the mean
+      s%mean = center + d
       s%m2 = max(m2 - d*m1, 0.0_dp)
       s%m3 = m3 - 3.0_dp*d*m2 + 2.0_dp*d*d*m1
       s%m4 = m4 - 4.0_dp*d*m3 + 6.0_dp*d*d*m2 - 3.0_dp*d*d*d*m1

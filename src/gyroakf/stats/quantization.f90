@@ -7,7 +7,7 @@ module gyroakf_stats_quantization
    use gyroakf_stats_extremes, only : scan_extremes
    implicit none (type, external)
    private
-   public :: quantisation_type, find_quantisation, coarse_ratio
+   public :: quantization_type, find_quantization, coarse_ratio
 
    !> Levels are counted where no more than these fit between the extremes
    integer(int64), parameter :: most_levels = 65536
@@ -18,10 +18,10 @@ module gyroakf_stats_quantization
    real(dp), parameter :: off_grid = 0.05_dp
 
    !> The grid of a series in its unit u
-   type :: quantisation_type
+   type :: quantization_type
       !> All present samples are whole steps apart, within rounding
-      logical :: quantised = .false.
-      !> Step, u; 0 where the samples are not quantised
+      logical :: quantized = .false.
+      !> Step, u; 0 where the samples are not quantized
       real(dp) :: step = 0.0_dp
       !> Step over standard deviation
       real(dp) :: ratio = 0.0_dp
@@ -32,7 +32,7 @@ module gyroakf_stats_quantization
       !> Sheppard's correction: sqrt(variance - step^2/12), the standard deviation before rounding,
       !> u; 0 where rounding is all. Good for steps up to about two standard deviations
       real(dp) :: corrected_std = 0.0_dp
-   end type quantisation_type
+   end type quantization_type
 
 contains
 
@@ -40,15 +40,15 @@ contains
    !>
    !> The smallest non-zero difference of neighbors is tried: the distance of the extremes makes it
    !> exact, then every sample has to stand on the grid. A series whose neighbors never differ by a
-   !> single step, or of which some samples were interpolated, is not recognised. Source of
+   !> single step, or of which some samples were interpolated, is not recognized. Source of
    !> the correction: Sheppard, Proc. London Math. Soc. 29 (1898) 353-380.
-   subroutine find_quantisation(x, std, result, error, valid)
+   subroutine find_quantization(x, std, result, error, valid)
       !> Series as it was recorded, before a trend is removed: [n], finite; not modified
       real(dp), intent(in), contiguous :: x(:)
       !> Standard deviation to compare with, usually of the series without trend; u, >= 0
       real(dp), intent(in) :: std
       !> The grid; nothing found is no error
-      type(quantisation_type), intent(out) :: result
+      type(quantization_type), intent(out) :: result
       !> invalid_argument (std negative), no_memory
       type(error_type), allocatable, intent(out) :: error
       !> 1 present, 0 missing: [n]
@@ -66,13 +66,13 @@ contains
       step = (high - low)/steps
       call check_grid(x, low, step, nint(steps, int64), 16.0_dp*epsilon(step)*largest/step, &
          & result, error, valid)
-      if (allocated(error) .or. .not. result%quantised) return
+      if (allocated(error) .or. .not. result%quantized) return
       result%step = step
       if (.not. std > 0.0_dp) return
       result%ratio = step/std
       result%variance_share = result%ratio*result%ratio/12.0_dp
       result%corrected_std = std*sqrt(max(0.0_dp, 1.0_dp - result%variance_share))
-   end subroutine find_quantisation
+   end subroutine find_quantization
 
    !> Whether all samples stand on the grid, and how many levels occur.
    subroutine check_grid(x, low, step, steps, rounding, result, error, valid)
@@ -80,7 +80,7 @@ contains
       !> The lowest level, the step, rounding of a sample in steps
       real(dp), intent(in) :: low, step, rounding
       integer(int64), intent(in) :: steps
-      type(quantisation_type), intent(inout) :: result
+      type(quantization_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       integer(int8), allocatable :: seen(:), mine(:)
@@ -103,15 +103,15 @@ contains
             if (bad == 0 .and. fits) call check_chunk(x, low, step, chunk, mine, fits, valid)
          end do
          !$omp end do
-         !$omp critical (gyroakf_quantisation_levels)
+         !$omp critical (gyroakf_quantization_levels)
          if (bad == 0) seen = max(seen, mine)
          stat = stat + abs(bad)
-         !$omp end critical (gyroakf_quantisation_levels)
+         !$omp end critical (gyroakf_quantization_levels)
          !$omp end parallel
       end if
       call check_memory(bad + stat, "the levels of the series", error)
       if (allocated(error)) return
-      result%quantised = fits
+      result%quantized = fits
       if (fits .and. counted > 0) result%levels = count(seen /= 0_int8, kind=int64)
    end subroutine check_grid
 

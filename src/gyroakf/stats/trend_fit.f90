@@ -44,7 +44,7 @@ contains
 
    !> Least-squares polynomial of the present samples.
    !>
-   !> Minimises $$\sum_i (x_i - \sum_{k \le d} c_k q_k(t_i))^2$$ by Cholesky factorisation of the
+   !> Minimizes $$\sum_i (x_i - \sum_{k \le d} c_k q_k(t_i))^2$$ by Cholesky factorisation of the
    !> normal equations (LAPACK dpotrf), then again on the residuals. Relative error 1e-14.
    subroutine fit_trend(x, degree, trend, error, valid, progress)
       !> Series: [n], any unit u, finite; not modified

@@ -20,14 +20,14 @@ program nis
    !> (middle) over its stated deviation
    type :: outcome_type
       real(dp) :: nis = 0.0_dp, filter = 0.0_dp, smoother = 0.0_dp
-      logical :: within = .false., coloured = .false.
+      logical :: within = .false., colored = .false.
    end type outcome_type
 
    integer :: records
 
    records = argument_or(5000)
    write (output_unit, "(i0, a, i0, a)") records, " records of ", samples, " samples each"
-   write (output_unit, "(/, a)") "| model | mean squared innovation | +- | in the band % | coloured % | filter: squared error | " &
+   write (output_unit, "(/, a)") "| model | mean squared innovation | +- | in the band % | colored % | filter: squared error | " &
       & //"in 95 % | smoother: squared error | in 95 % |"
    write (output_unit, "(a)") "|---|--:|--:|--:|--:|--:|--:|--:|--:|"
    call study("AR(1) 0.41 in noise of its variance", component_model_type(1, [0.41_dp, 0.0_dp, 0.0_dp], &
@@ -58,7 +58,7 @@ contains
       mean = sum(outcome%nis)/records
       write (output_unit, "(*(a))") "| ", name, " |", fixed(mean, 4), " |", &
          & fixed(sqrt(sum((outcome%nis - mean)**2)/(records - 1.0_dp)/records), 4), " |", fixed(percent(outcome%within), 1), " |", &
-         & fixed(percent(outcome%coloured), 1), " |", fixed(sum(outcome%filter**2)/records, 3), " |", &
+         & fixed(percent(outcome%colored), 1), " |", fixed(sum(outcome%filter**2)/records, 3), " |", &
          & fixed(percent(abs(outcome%filter) <= two_sided), 1), " |", fixed(sum(outcome%smoother**2)/records, 3), " |", &
          & fixed(percent(abs(outcome%smoother) <= two_sided), 1), " |"
    end subroutine study
@@ -95,7 +95,7 @@ contains
       if (.not. allocated(failure)) then
          outcome%nis = result%nis_mean
          outcome%within = result%nis_mean >= result%nis_low .and. result%nis_mean <= result%nis_high
-         outcome%coloured = result%ljung_box%p_value < five_percent
+         outcome%colored = result%ljung_box%p_value < five_percent
          outcome%filter = (estimate(samples) - truth(samples))/sqrt(filter%p(1, 1))
          variance = 0.0_dp
          call smooth_drift(model, slow, z, estimate, failure, variance=variance)

@@ -51,7 +51,7 @@ contains
       call component_likelihood(model, z, likelihood, failure)
       if (.not. allocated(failure)) call new_drift_filter(filter, model, spread(.true., 1, model%count), filter_options(), failure)
       if (.not. allocated(failure)) then
-         call run_filter(filter, z, filtered, normalised_innovation=innovation)
+         call run_filter(filter, z, filtered, normalized_innovation=innovation)
          call smooth_drift(model, spread(.true., 1, model%count), z, smoothed, failure, variance=variance)
       end if
       if (allocated(failure)) then
