@@ -157,8 +157,8 @@ contains
    subroutine test_run_tables()
       character(100), parameter :: lines(8) = [character(100) :: &
          "    * 1  4.3600e-04  -58801.12  0.00  0.00  0.00  0.0000e+00  -4.900012", &
-         "  KF (paper)  0.000e+00 1.4908e-04 28.4 % 0.48 0.6072 0.750   0.2 colored", &
-         "  AKF (paper) 0.000e+00 2.0000e-05  3.8 % 0.48 0.2100 0.750   0.2 colored", &
+         "  KF (paper)  0.000e+00 1.4908e-04 28.4 % 0.48  0.6072 0.750   0.2 colored", &
+         "  AKF (paper) 0.000e+00 2.0000e-05  3.8 % 0.48  0.2100 0.750   0.2 colored", &
          "             arcsec  deg/sqrt(h)    deg/h  deg/h^1.5  deg/h^2", &
          "  raw        < 10.8        0.948     14.4      < 648        -", "                       +/- 0.012  +/- 3.6", &
          "  AKF        < 2.16       0.1896   < 2.16      < 130        -", &
@@ -344,8 +344,8 @@ contains
    !> The drift in words, beside the paper's filters; found and not found.
    subroutine test_drift()
       character(110), parameter :: fragments(16) = [character(110) :: "no outliers 4.300e-03 5.5000e-04  100 %", &
-         "drift KF 0.000e+00 1.0000e-05  1.8 % 0.48 1.0000 0.750   0.2 colored", &
-         "smoother 0.000e+00 1.2000e-05  1.8 %      1.0000", "compensated 1.000e-06 5.3800e-04 97.8 %      0.0000", &
+         "drift KF 0.000e+00 1.0000e-05  1.8 % 0.48  1.0000 0.750   0.2 colored", &
+         "smoother 0.000e+00 1.2000e-05  1.8 %       1.0000", "compensated 1.000e-06 5.3800e-04 97.8 %       0.0000", &
          "(95 % of such filters within 0.980 to 1.020)", "a rotation passes into it: estimate it at rest, only predict it", &
          "In-sample: the drift was taken from the same record", "forgetting 0.98, adapts R", &
          "Drift model found, of processes slower than 1 s, model ", "kind ar1, not drift, correlation time 0.224 +/- 0.012 s", &
