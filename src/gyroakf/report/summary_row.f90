@@ -150,7 +150,7 @@ contains
             call add("variance", known(.true., channel%cleaned%variance))
             call add("KF", known(is%kf, channel%kf%variance))
             call add("AKF", known(is%akf, channel%akf%variance))
-            call add("AKF DC gain", known(is%akf, channel%akf%dc_gain))
+            call add("DC gain", known(is%akf, channel%akf%dc_gain))
          case default
             do i = 2, 4
                call add(term_names(i), coefficient_text(channel%allan(stage%input)%stated%term(i)))
