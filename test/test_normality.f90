@@ -6,7 +6,7 @@ module test_normality
    use gyroakf_kinds, only : dp, int64, int8
    use gyroakf_error, only : status
    use gyroakf_pipeline_channel_job, only : job_type
-   use gyroakf_pipeline_channel_tests, only : find_step, run_distribution
+   use gyroakf_pipeline_channel_tests, only : find_quantization_step, run_distribution
    use gyroakf_pipeline_result, only : channel_result_type
    use gyroakf_stats_moments, only : moments_type, compute_moments
    use gyroakf_stats_normality, only : jarque_bera_type, test_jarque_bera, skewness_error, &
@@ -173,7 +173,7 @@ contains
       call compute_moments(x, channel%cleaned)
       call test_jarque_bera(channel%cleaned, channel%jarque_bera, problem)
       channel%available%jarque_bera = .not. allocated(problem)
-      call find_step(job, channel, problem)
+      call find_quantization_step(job, channel, problem)
       if (.not. allocated(problem)) call run_distribution(x, job, channel, problem)
       if (went_wrong(problem)) return
       call check(error, channel%anderson_darling%p_value < 1.0e-20_dp, "normal by Anderson-Darling")

@@ -12,9 +12,6 @@
 !> that the gradient goes to zero and not only to the root of the precision. Sources: J. Nocedal, S.
 !> J. Wright, Numerical Optimization (2006), algorithms 3.5, 3.6 and 6.1; W. W. Hager, H. Zhang,
 !> SIAM J. Optim. 16 (2005) 170.
-!>
-!> LAPACK has no minimization, liblbfgsb and libLBFGS are made for many variables and know no point
-!> where the function does not exist, MINPACK knows only least squares. It keeps no state.
 module gyroakf_quasi_newton
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp
@@ -27,8 +24,8 @@ module gyroakf_quasi_newton
    real(dp), parameter :: decrease = 1.0e-4_dp, flattening = 0.9_dp, slope_share = 0.1_dp
    !> Differences of values below this share of the value are rounding
    real(dp), parameter :: rounding = 1.0e-14_dp
-   !> So many steps of no worth are the end; most evaluations along a line
-   integer, parameter :: most_still = 5, most_trials = 40
+   !> Steps without progress after which the search ends; evaluations along a line
+   integer, parameter :: max_stalled_steps = 5, max_line_evaluations = 40
 
    !> A function; extensions hold its data
    type, abstract :: objective_type
@@ -106,7 +103,7 @@ contains
       type(point_type) :: here, next
       real(dp) :: h(size(start), size(start)), direction(size(start))
       logical :: unit, found
-      integer :: still
+      integer :: stalled
 
       call check_arguments(size(start), options, error, inverse_hessian)
       if (allocated(error)) return
@@ -120,9 +117,10 @@ contains
          return
       end if
       call reset(h, unit, inverse_hessian)
-      still = 0
+      stalled = 0
       do while (minimum%iterations < options%max_iterations)
-         minimum%converged = flatness(here) <= options%gradient_tolerance .or. still >= most_still
+         minimum%converged = scaled_gradient(here) <= options%gradient_tolerance &
+            .or. stalled >= max_stalled_steps
          if (minimum%converged) exit
          direction = -matmul(h, here%gradient)
          if (unit) direction = direction/max(norm2(here%gradient), 1.0_dp)
@@ -136,9 +134,9 @@ contains
          if (found) then
             call update(h, next%parameter - here%parameter, next%gradient - here%gradient, unit)
             minimum%iterations = minimum%iterations + 1
-            still = still + 1
+            stalled = stalled + 1
             if (here%value - next%value > max(rounding*max(abs(here%value), 1.0_dp), &
-               options%least_decrease)) still = 0
+               options%least_decrease)) stalled = 0
             here = next
          else
             minimum%converged = -here%slope <= rounding*max(abs(here%value), 1.0_dp)
@@ -146,7 +144,8 @@ contains
             call reset(h, unit)
          end if
       end do
-      if (.not. minimum%converged) minimum%converged = flatness(here) <= options%gradient_tolerance
+      if (.not. minimum%converged) minimum%converged = scaled_gradient(here) &
+         <= options%gradient_tolerance
       minimum%parameter(:) = here%parameter
       minimum%gradient(:) = here%gradient
       minimum%value = here%value
@@ -187,12 +186,12 @@ contains
    end subroutine reset
 
    !> Largest derivative, scaled by its variable and the value.
-   pure real(dp) function flatness(point)
+   pure real(dp) function scaled_gradient(point)
       type(point_type), intent(in) :: point
 
-      flatness = maxval(abs(point%gradient)*max(abs(point%parameter), 1.0_dp))/ &
+      scaled_gradient = maxval(abs(point%gradient)*max(abs(point%parameter), 1.0_dp))/ &
          max(abs(point%value), 1.0_dp)
-   end function flatness
+   end function scaled_gradient
 
    !> The BFGS formula for the inverse Hessian; not where the curvature is not positive.
    pure subroutine update(h, s, y, unit)
@@ -255,7 +254,7 @@ contains
       bracketed = .false.
       noise = rounding*max(abs(origin%value), 1.0_dp)           ! differences that mean nothing
       step = 1.0_dp
-      do i = 1, most_trials
+      do i = 1, max_line_evaluations
          call try_point(objective, origin%parameter, direction, step, trial, evaluations)
          if (.not. is_lower(origin, low, trial, noise)) then
             high = trial
@@ -270,7 +269,7 @@ contains
          end if
          if (bracketed) then
             if (abs(high%step - low%step)*(-origin%slope) <= 1.0e-2_dp*noise) exit
-            step = between(low, high)
+            step = interpolate_step(low, high)
          else
             step = 3.0_dp*low%step
          end if
@@ -294,7 +293,7 @@ contains
    end function is_lower
 
    !> A point inside a bracket: the minimum of the cubic through values and slopes, off the ends.
-   pure real(dp) function between(low, high) result(step)
+   pure real(dp) function interpolate_step(low, high) result(step)
       type(point_type), intent(in) :: low, high
       real(dp), parameter :: margin = 0.1_dp
       real(dp) :: width, scale, a, b, s, t, share
@@ -313,6 +312,6 @@ contains
          end if
       end if
       step = low%step + share*width
-   end function between
+   end function interpolate_step
 
 end module gyroakf_quasi_newton

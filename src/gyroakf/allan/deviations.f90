@@ -8,7 +8,7 @@
 !>     call compute_allan_from_phase(angle, sample_interval, options, curve, error)
 !>
 !> With x_0 = 0, x_k the sum of the first k rates less their mean (n rates: n + 1 phases),
-!> and T terms:
+!> and T terms, m the averaging factor, tau = m t0:
 !>
 !> $$ \mathrm{oadev}^2 = \frac{1}{2 m^2 T} \sum_{k=0}^{n-2m} (x_{k+2m} - 2 x_{k+m} + x_k)^2, \quad
 !>    \mathrm{ohdev}^2 =
@@ -27,12 +27,11 @@
 !> $$ \mathrm{totdev}^2 =
 !>    \frac{1}{2 m^2 (n - 1)} \sum_{k=1}^{n-1} (x^*_{k+m} - 2 x^*_k + x^*_{k-m})^2 $$
 !>
-!> as it is, without correction of its bias: the expectation is that of oadev^2 times 1 - a tau/T, T
-!> the length of the record, a = 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate
-!> noise.
+!> as it is, without correction of its bias: the expectation is that of oadev^2 times
+!> 1 - a tau/(n t0), a = 0, 1/(3 ln 2) and 0.750 for white, flicker and random-walk rate noise.
 !>
-!> The sums are those of [[sum_phase_differences]] (oadev, ohdev, totdev), [[sum_phase_averages]]
-!> (mdev, tdev) and [[sum_windows]] (adev, hdev); M below stands for their number of terms.
+!> The kernels: oadev, ohdev, totdev [[sum_phase_differences]]; mdev, tdev [[sum_phase_averages]];
+!> adev, hdev and records with gaps [[sum_windows]]; [[allan_variances]] chooses.
 !>
 !> Source: W. J. Riley, D. A. Howe, "Handbook of frequency stability analysis", NIST SP 1065 (2008),
 !> section 5.2. Missing samples: [[allan_variances]].
@@ -47,7 +46,7 @@ module gyroakf_allan_deviations
    use gyroakf_allan_noise_identification, only : identify_noise
    use gyroakf_allan_phase, only : integrate_blocks, level_phase
    use gyroakf_allan_statistic, only : check_statistic, difference_order, longest_factor
-   use gyroakf_allan_thin_phase, only : choose_step, fill_from_few_phases
+   use gyroakf_allan_thin_phase, only : thinning_index, fill_from_few_phases
    implicit none (type, external)
    private
    public :: allan_options, allan_curve_type, compute_allan, compute_allan_from_phase
@@ -108,7 +107,7 @@ contains
       call begin_curve(options, size(rate, kind=int64), sample_interval, curve)
       place = 0
       if (any(options%kind == ["adev", "hdev"]) .and. all(blocks%absent == 0)) then
-         place = choose_step(size(rate, kind=int64), m)
+         place = thinning_index(size(rate, kind=int64), m)
       end if
       if (place > 0) then
          call fill_from_few_phases(rate, blocks, m, place, options%min_coverage, curve, error, &

@@ -28,35 +28,32 @@ module gyroakf_allan_fit_selection
       !> Step that the samples are rounded to (least significant bit), in the unit of the curve; 0:
       !> none
       real(dp) :: lsb = 0.0_dp
-      !> The terms describe a run of points if, with this floor, chi-square has a chance of more
-      !> than `run_chance` and no residual exceeds `run_residual` of its standard deviations: what
-      !> five power laws can claim of a sensor
-      real(dp) :: run_floor = 0.02_dp, run_chance = 0.003_dp, run_residual = 3.5_dp
-      !> The same residual of the whole curve: with 3.5 a clean record in 1000 loses its first
-      !> octaves, and with them most of N
-      real(dp) :: whole_residual = 4.0_dp
-      !> Octaves that a run spans at least, and their share of those of the curve: fewer are
-      !> described by chance. One more point is left out beside an excluded one, which passes only
-      !> just
+      !> A run of points is accepted if, with this floor, the p-value of chi-square is above
+      !> `min_p_value` and no residual exceeds `max_residual` standard deviations
+      real(dp) :: run_floor = 0.02_dp, min_p_value = 0.003_dp, max_residual = 3.5_dp
+      !> Largest residual where the run is the whole curve, standard deviations
+      real(dp) :: max_whole_residual = 4.0_dp
+      !> Least octaves of a run, and their least fraction of the octaves of the curve; the point
+      !> beside an excluded one is excluded too
       integer :: run_octaves = 5
       real(dp) :: run_share = 0.5_dp
-      !> Floors that are tried, relative to the variance, and what one has to gain of
-      !> -2 log likelihood: a false floor is found in 0 to 1 % of Gaussian records
+      !> Candidate floors, relative to the variance, and the penalty of a floor on
+      !> -2 log likelihood
       real(dp) :: floors(6) = [0.0_dp, 0.0025_dp, 0.005_dp, 0.01_dp, 0.02_dp, 0.04_dp], &
-         & floor_price = 4.0_dp
-      !> What each term has to gain of chi-square. A false Q takes 1 to 3 % off N; R is rarer than K
-      real(dp) :: term_price(term_count) = [12.0_dp, 6.0_dp, 6.0_dp, 6.0_dp, 9.0_dp]
+         & floor_penalty = 4.0_dp
+      !> Penalty of each term on chi-square, Q N B K R
+      real(dp) :: term_penalty(term_count) = [12.0_dp, 6.0_dp, 6.0_dp, 6.0_dp, 9.0_dp]
       !> A term is stated if the best set without it costs more by this: else another one may take
       !> its place
       real(dp) :: stated_margin = 2.3_dp
       !> Rise of chi-square at an upper limit: 2.71 for 95 % of a single fit, 3.84 after the choice
       !> of terms
-      real(dp) :: limit_rise = 3.84_dp
-      !> N is stated where points are excluded at the start if it is this share of the first three
-      !> points of the run; so is B of the last three where points are excluded at the end
-      real(dp) :: plain_share = 0.5_dp
-      !> Steps in standard deviations of the noise: a finer one is of no account, of a coarser one
-      !> nothing is known of the noise without it
+      real(dp) :: limit_chi_square = 3.84_dp
+      !> Least fraction of the variance that N has at the first three points of a run that begins
+      !> late, and B at the last three of one that ends early; below it the term is withheld
+      real(dp) :: min_term_fraction = 0.5_dp
+      !> Range of the step, in standard deviations of the noise: a finer one is negligible, with a
+      !> coarser one N without quantization is withheld
       real(dp) :: lsb_range(2) = [0.1_dp, 2.0_dp]
       !> Standard deviations from which on a kurtosis counts
       real(dp) :: kurtosis_deviations = 3.0_dp
@@ -132,10 +129,11 @@ contains
       floored%floor = options%run_floor
       call fit_terms(floored, offered, fit)
       is_described = is_likely(fit, options) .and. &
-         & maxval(abs(fit%residual)) < merge(options%whole_residual, options%run_residual, whole)
+         & maxval(abs(fit%residual)) &
+         & < merge(options%max_whole_residual, options%max_residual, whole)
    end function is_described
 
-   !> Whether the chance of as large a chi-square is above `run_chance`.
+   !> Whether the chance of as large a chi-square is above `min_p_value`.
    logical function is_likely(fit, options)
       type(solution_type), intent(in) :: fit
       type(noise_options), intent(in) :: options
@@ -144,7 +142,7 @@ contains
       freedom = size(fit%residual) - count(abs(fit%squares) > 0)
       is_likely = freedom <= 0
       if (freedom > 0) is_likely = &
-         & chi_square_survival(fit%chi_square, real(freedom, dp)) > options%run_chance
+         & chi_square_survival(fit%chi_square, real(freedom, dp)) > options%min_p_value
    end function is_likely
 
    !> The floor of the misfit that remains, by the likelihood.
@@ -166,7 +164,7 @@ contains
          trial%floor = options%floors(i)
          call fit_terms(trial, offered, fit)
          cost = fit%chi_square + log_determinant(fit%covariance)
-         if (trial%floor > 0) cost = cost + options%floor_price
+         if (trial%floor > 0) cost = cost + options%floor_penalty
          if (cost >= least) cycle
          least = cost
          points%floor = trial%floor
@@ -205,7 +203,7 @@ contains
          trial%squares = merge(solution%squares, 0.0_dp, used)
          call fit_held(points, used, trial)
          if (any(trial%squares <= 0 .and. used .and. .not. signed)) cycle
-         cost = trial%chi_square + sum(options%term_price, mask=used)
+         cost = trial%chi_square + sum(options%term_penalty, mask=used)
          where (.not. used) without = min(without, cost)
          if (.not. any(used([term_walk, term_ramp]))) bounded = min(bounded, cost)
          if (cost >= least) cycle
@@ -220,7 +218,7 @@ contains
    end subroutine select_terms
 
    !> One-sided limit of the square of a term: there chi-square, the other terms refitted and the
-   !> covariance that of the model tried, is above its least value by `limit_rise`.
+   !> covariance that of the model tried, is above its least value by `limit_chi_square`.
    real(dp) function upper_limit(points, options, offered, term, full) result(limit)
       type(fit_points_type), intent(in) :: points
       type(noise_options), intent(in) :: options
@@ -238,13 +236,13 @@ contains
       least = min(least, profile(1e-6_dp*unit))
       limit = 1.5_dp*low
       do while (limit < 1e4_dp*unit)
-         if (profile(limit) >= least + options%limit_rise) exit
+         if (profile(limit) >= least + options%limit_chi_square) exit
          low = limit
          limit = 1.6_dp*limit
       end do
       do i = 1, 8
          middle = sqrt(low*limit)
-         if (profile(middle) < least + options%limit_rise) then
+         if (profile(middle) < least + options%limit_chi_square) then
             low = middle
          else
             limit = middle

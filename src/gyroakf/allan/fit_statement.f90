@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What is stated of a noise fit: coefficients with errors, its goodness, the limits of the curve.
+!> Results of a noise fit: coefficients with standard errors and limits, goodness of fit, limits of
+!> the curve.
 module gyroakf_allan_fit_statement
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : error_type, fatal_error, status
@@ -14,8 +15,8 @@ module gyroakf_allan_fit_statement
       & term_quantization, term_ramp, term_walk, term_white, terms
    implicit none (type, external)
    private
-   public :: coefficient_type, noise_type, estimate_type, state_fit, state_coefficients, &
-      & state_unquantized, give_limits
+   public :: coefficient_type, noise_type, estimate_type, fill_goodness_of_fit, fill_coefficients, &
+      & fill_unquantized, fill_confidence_limits
 
    !> A coefficient, in units of the curve and seconds (Q: u s, N: u sqrt(s), B: u, K: u/sqrt(s), R:
    !> u/s)
@@ -39,8 +40,7 @@ module gyroakf_allan_fit_statement
       !> Covariance of these estimates, in the product of their units; 0 beside a term that is not
       !> in the fit
       real(dp) :: covariance(term_count, term_count) = 0.0_dp
-      !> Chance does not explain chi-square: the covariance is multiplied by chi-square per degree
-      !> of freedom
+      !> Significant lack of fit: the covariance is multiplied by the reduced chi-square
       logical :: errors_increased = .false.
       !> N without quantization, sqrt(N^2 - lsb^2 dt/12): "withheld" where the step is above two
       !> standard deviations of the noise; "" where it is of no account, or N is not stated. And the
@@ -93,7 +93,7 @@ module gyroakf_allan_fit_statement
 contains
 
    !> What was fitted, and how well.
-   subroutine state_fit(options, estimate, noise, error)
+   subroutine fill_goodness_of_fit(options, estimate, noise, error)
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(in) :: estimate
       type(noise_type), intent(inout) :: noise
@@ -140,13 +140,13 @@ contains
             noise%covariance(place(:j), place(j)) = inverse(:j, j)*unit(place(:j))*unit(place(j))
             noise%covariance(place(j), place(:j)) = noise%covariance(place(:j), place(j))
          end do
-         noise%errors_increased = noise%chi2_probability < options%run_chance
+         noise%errors_increased = noise%chi2_probability < options%min_p_value
          if (noise%errors_increased) noise%covariance = noise%covariance*noise%chi2_reduced
       end associate
-   end subroutine state_fit
+   end subroutine fill_goodness_of_fit
 
    !> Values, limits, and what is withheld.
-   subroutine state_coefficients(options, estimate, noise)
+   subroutine fill_coefficients(options, estimate, noise)
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(in) :: estimate
       type(noise_type), intent(inout) :: noise
@@ -166,18 +166,18 @@ contains
                c%std_error = sqrt(noise%covariance(j, j))
                c%detected = e%stated(j)
                c%state = merge("value", "limit", c%detected)
-               c%upper_limit = c%value + sqrt(options%limit_rise)*c%std_error
+               c%upper_limit = c%value + sqrt(options%limit_chi_square)*c%std_error
                if (.not. c%detected) c%upper_limit = &
                   & e%unit(j)*sqrt(upper_limit(e%run, options, e%offered, j, e%full%squares))
             end if
          end associate
       end do
-   end subroutine state_coefficients
+   end subroutine fill_coefficients
 
    !> N without the variance lsb^2/12 of rounding, which is white noise where a step is not above
    !> two standard deviations of the noise before it (W. F. Sheppard, Proc. London Math. Soc. 29,
    !> 1898); these are taken from the differences of neighbors.
-   pure subroutine state_unquantized(options, estimate, noise)
+   pure subroutine fill_unquantized(options, estimate, noise)
       type(noise_options), intent(in) :: options
       type(estimate_type), intent(in) :: estimate
       type(noise_type), intent(inout) :: noise
@@ -192,9 +192,9 @@ contains
          if (noise%lsb_ratio > options%lsb_range(2) .or. square <= 0) return
          deviation = n%std_error*n%value/sqrt(square)
          c = coefficient_type(sqrt(square), deviation, &
-            & sqrt(square) + sqrt(options%limit_rise)*deviation, .true., .true., "value")
+            & sqrt(square) + sqrt(options%limit_chi_square)*deviation, .true., .true., "value")
       end associate
-   end subroutine state_unquantized
+   end subroutine fill_unquantized
 
    !> Terms that the run of points does not determine.
    pure subroutine find_withheld(options, estimate, withheld)
@@ -212,16 +212,17 @@ contains
          share = run%shape*spread(max(0.0_dp, estimate%final%squares), 1, n)
          share = share/spread(sum(share, dim=2), 2, term_count)
          if (run%first > 1) withheld(term_white) = &
-            & minval(share(:min(3, n), term_white)) < options%plain_share
+            & minval(share(:min(3, n), term_white)) < options%min_term_fraction
          if (run%first + n - 1 == size(estimate%curve%m)) return
          withheld([term_walk, term_ramp]) = .true.
-         withheld(term_flicker) = minval(share(max(1, n - 2):, term_flicker)) < options%plain_share
+         withheld(term_flicker) = &
+            & minval(share(max(1, n - 2):, term_flicker)) < options%min_term_fraction
       end associate
    end subroutine find_withheld
 
    !> The fitted deviations, and degrees of freedom and limits of the curve from the fit of all
    !> terms without its floor.
-   subroutine give_limits(estimate, curve, noise)
+   subroutine fill_confidence_limits(estimate, curve, noise)
       type(estimate_type), intent(in) :: estimate
       type(allan_curve_type), intent(inout) :: curve
       type(noise_type), intent(inout) :: noise
@@ -248,6 +249,6 @@ contains
          end do
       end associate
       call chi_square_limits(curve%deviation, curve%edf, curve%confidence, curve%lower, curve%upper)
-   end subroutine give_limits
+   end subroutine fill_confidence_limits
 
 end module gyroakf_allan_fit_statement

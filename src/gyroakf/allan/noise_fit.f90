@@ -29,8 +29,9 @@ module gyroakf_allan_noise_fit
    use gyroakf_allan_fit_selection, only : find_floor, find_run, is_described, is_likely, &
       & noise_options, points_between, select_terms
    use gyroakf_allan_fit_solver, only : fit_terms
-   use gyroakf_allan_fit_statement, only : coefficient_type, estimate_type, give_limits, &
-      & noise_type, state_coefficients, state_fit, state_unquantized
+   use gyroakf_allan_fit_statement, only : coefficient_type, estimate_type, &
+      & fill_coefficients, fill_confidence_limits, fill_goodness_of_fit, fill_unquantized, &
+      & noise_type
    use gyroakf_allan_noise_model, only : term_count, term_letters, term_quantization, term_ramp, &
       & term_white, terms
    implicit none (type, external)
@@ -67,11 +68,11 @@ contains
          return
       end if
       call choose_terms(options, estimate)
-      call state_fit(options, estimate, noise, error)
+      call fill_goodness_of_fit(options, estimate, noise, error)
       if (allocated(error)) return
-      call state_coefficients(options, estimate, noise)
-      call state_unquantized(options, estimate, noise)
-      call give_limits(estimate, curve, noise)
+      call fill_coefficients(options, estimate, noise)
+      call fill_unquantized(options, estimate, noise)
+      call fill_confidence_limits(estimate, curve, noise)
    end subroutine fit_noise
 
    !> Reads the letters of the terms.

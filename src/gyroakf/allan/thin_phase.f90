@@ -18,7 +18,7 @@ module gyroakf_allan_thin_phase
    use gyroakf_allan_window_difference, only : add_sums, add_windows, gap_sums_type, sum_windows
    implicit none (type, external)
    private
-   public :: choose_step, fill_from_few_phases
+   public :: thinning_index, fill_from_few_phases
 
    !> Length of record that is worth it, least step, longest factor that is no multiple of it
    integer(int64), parameter :: samples_min = 1000000, step_min = 16, factor_max = 64
@@ -29,7 +29,7 @@ contains
 
    !> Place of the factor that serves as the step: all after it are multiples of it; 0 where none is
    !> worth it.
-   pure integer function choose_step(n, m) result(place)
+   pure integer function thinning_index(n, m) result(place)
       !> Samples
       integer(int64), intent(in) :: n
       !> Averaging factors, ascending
@@ -40,7 +40,7 @@ contains
          if (all(modulo(m(place:), m(place)) == 0)) return
       end do
       place = 0
-   end function choose_step
+   end function thinning_index
 
    !> The curve of a long record of which few phases are needed.
    subroutine fill_from_few_phases(rate, blocks, m, place, min_coverage, curve, error, progress)
@@ -48,7 +48,7 @@ contains
       real(dp), intent(in), contiguous :: rate(:)
       !> From [[sum_blocks]]
       type(block_sums_type), intent(in) :: blocks
-      !> Averaging factors, and the place of the step among them, from [[choose_step]]
+      !> Averaging factors, and the place of the step among them, from [[thinning_index]]
       integer(int64), intent(in) :: m(:)
       integer, intent(in) :: place
       !> As of [[identify_noise]]

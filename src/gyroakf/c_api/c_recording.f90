@@ -66,13 +66,13 @@ contains
       type(c_ptr), intent(inout), optional :: out
 
       if (allocated(c%error) .and. associated(handle)) deallocate (handle)
-      if (associated(handle)) call dress(handle)
+      if (associated(handle)) call export_record(handle)
       if (present(out)) out = c_null_ptr
       if (associated(handle)) out = c_loc(handle)
    end subroutine hand_over
 
    !> Makes of a record what C expects: texts that end with NUL, NaN where a sample is missing.
-   subroutine dress(handle)
+   subroutine export_record(handle)
       type(record_handle), intent(inout) :: handle
       type(unit_type) :: unit
       integer(int64) :: i
@@ -103,7 +103,7 @@ contains
             end do
          end do
       end associate
-   end subroutine dress
+   end subroutine export_record
 
    integer(c_int) function gyroakf_record_new(values, channels, n, dt, names, unit, out, &
       & err) bind(C)

@@ -13,7 +13,7 @@ module gyroakf_io_cadence
    use gyroakf_sort, only : sort_values
    implicit none (type, external)
    private
-   public :: cadence_type, steps_type, new_steps, find_cadence, find_step, count_bursts
+   public :: cadence_type, steps_type, new_steps, find_cadence, find_sample_interval, count_bursts
 
    !> How samples come
    type :: cadence_type
@@ -70,7 +70,7 @@ contains
       integer(int64) :: i, n
       integer :: k, m
 
-      call find_step(t, steps, cadence)
+      call find_sample_interval(t, steps, cadence)
       n = size(t, kind=int64)
       if (cadence%step <= 0.0_dp) return
       m = int(min(int(resolution_steps, int64), n - 1))
@@ -89,7 +89,7 @@ contains
    end subroutine find_cadence
 
    !> The interval alone, and whether the stamps are regular.
-   subroutine find_step(t, steps, cadence)
+   subroutine find_sample_interval(t, steps, cadence)
       !> s, none missing: [n]
       real(dp), intent(in), contiguous :: t(:)
       type(steps_type), intent(inout) :: steps
@@ -121,9 +121,9 @@ contains
       end do
       if (used == 0) return
       steps%some(:used) = real(steps%number(:used), dp)
-      call choose_step(steps%total(:used), steps%some(:used), real(flat, dp), cadence)
+      call choose_sample_interval(steps%total(:used), steps%some(:used), real(flat, dp), cadence)
       if (.not. cadence%regular) call use_mean(t, cadence)
-   end subroutine find_step
+   end subroutine find_sample_interval
 
    pure integer function bin_of(step)
       real(dp), intent(in) :: step
@@ -153,7 +153,7 @@ contains
    !> Regular are stamps whose steps are near the interval (97 %), or coherent and hardly ever
    !> short. Where most of the time passes in steps of more than 2.5 intervals, samples are
    !> delivered in bursts.
-   pure subroutine choose_step(x, weight, flat, cadence)
+   pure subroutine choose_sample_interval(x, weight, flat, cadence)
       real(dp), intent(in), contiguous :: x(:), weight(:)
       real(dp), intent(in) :: flat
       type(cadence_type), intent(inout) :: cadence
@@ -187,7 +187,7 @@ contains
          cadence%regular = cadence%regular .or. cadence%short <= 0.06_dp
       end if
       cadence%regular = cadence%regular .and. far_time <= 0.5_dp*all_time
-   end subroutine choose_step
+   end subroutine choose_sample_interval
 
    !> Mean of the steps that are no longer than eight medians.
    pure real(dp) function usual_step(x, weight) result(usual)

@@ -8,7 +8,7 @@ module gyroakf_io_left_out_rows
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : check_memory, error_type
-   use gyroakf_io_cadence, only : cadence_type, find_step, new_steps, steps_type
+   use gyroakf_io_cadence, only : cadence_type, find_sample_interval, new_steps, steps_type
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
@@ -82,7 +82,7 @@ contains
       end if
       call new_steps(work, error)
       if (allocated(error)) return
-      call find_step(pack(t, keep), work, cadence)
+      call find_sample_interval(pack(t, keep), work, cadence)
       last = 0
       do i = 1, size(t, kind=int64)
          if (.not. keep(i)) cycle

@@ -2,7 +2,7 @@
 !> Where the sample rate changes for good: by 0.5 % and more than the rates of the parts scatter.
 module gyroakf_io_rate_changes
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_io_cadence, only : cadence_type, find_step, steps_type
+   use gyroakf_io_cadence, only : cadence_type, find_sample_interval, steps_type
    use gyroakf_sort, only : median_of
    implicit none (type, external)
    private
@@ -65,7 +65,7 @@ contains
 
       n = size(t, kind=int64)
       first = 1 + max(0_int64, (n - longest_look)/2)
-      call find_step(t(first:min(n, first + longest_look - 1)), work, cadence)
+      call find_sample_interval(t(first:min(n, first + longest_look - 1)), work, cadence)
       step = cadence%step
       if (cadence%regular) return
       piece = n/9

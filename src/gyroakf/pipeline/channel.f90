@@ -18,7 +18,8 @@ module gyroakf_pipeline_channel
    use gyroakf_pipeline_coefficients, only : run_allan, compare_coefficients, withhold
    use gyroakf_pipeline_channel_filters, only : run_drift_filters, run_filters
    use gyroakf_pipeline_channel_models, only : run_ar
-   use gyroakf_pipeline_channel_tests, only : find_step, plan_pass, run_periodicity, run_tests
+   use gyroakf_pipeline_channel_tests, only : find_quantization_step, plan_pass, &
+      run_periodicity, run_tests
    use gyroakf_pipeline_verdict, only : examine_means, judge
    use gyroakf_pipeline_warnings, only : note_failure, warn_outliers, warn_curve, warn_fit, &
       warn_halves
@@ -96,7 +97,7 @@ contains
 
       associate (options => job%options)
          described = options%do_tests .or. options%do_allan
-         if (described) call find_step(job, channel, error)
+         if (described) call find_quantization_step(job, channel, error)
          if (described .and. .not. allocated(error)) call examine_means(job, channel, error)
          if (allocated(error)) return
          trend = channel%available%preprocess .and. options%clean%degree >= 0

@@ -29,7 +29,7 @@ module gyroakf_pipeline_channel_tests
    use gyroakf_pipeline_warnings, only : note_failure
    implicit none (type, external)
    private
-   public :: run_tests, run_distribution, find_step, plan_pass
+   public :: run_tests, run_distribution, find_quantization_step, plan_pass
    public :: run_periodicity, longest_part, longest_segment
 
    !> Autocovariances that are made in any case
@@ -64,7 +64,7 @@ contains
    end subroutine plan_pass
 
    !> Quantization of the record as read.
-   subroutine find_step(job, channel, error)
+   subroutine find_quantization_step(job, channel, error)
       !> The channel in work
       type(job_type), intent(in) :: job
       !> `cleaned` is filled
@@ -76,7 +76,7 @@ contains
       if (allocated(error)) return
       call find_quantization(job%x, channel%cleaned%std, channel%quantization, error, job%valid)
       call note_failure(channel%unavailable, "quantization", error, channel%available%quantization)
-   end subroutine find_step
+   end subroutine find_quantization_step
 
    !> All tests of a series.
    subroutine run_tests(z, moments, job, channel, shared, error)

@@ -103,7 +103,7 @@ contains
       type(verdict_type), intent(in) :: verdict
 
       beside = options
-      if (verdict%trend%shape /= "") beside%term_price(term_ramp) = 1.0e9_dp
+      if (verdict%trend%shape /= "") beside%term_penalty(term_ramp) = 1.0e9_dp
    end function options_beside
 
    !> The verdict. A failure is noted in the channel.

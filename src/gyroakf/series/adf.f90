@@ -133,7 +133,8 @@ contains
       if (rounding > epsilon(x)*largest_square_root) call fatal_error(error, &
          & status%non_finite, overflows)
       if (allocated(error)) return
-      call regress(x, trend, terms, result%max_lags, rounding, gram, error, valid, shared, progress)
+      call build_regression(x, trend, terms, result%max_lags, rounding, gram, error, valid, &
+         shared, progress)
       if (allocated(error)) return
       result%lag = result%max_lags
       if (result%lag_chosen) then
@@ -142,7 +143,8 @@ contains
          call shorten_gram(x, trend, result%lag, gram, error, valid, progress)
          if (allocated(error)) return
       end if
-      call solve(x, trend, gram, rounding, options%table, result, error, valid, progress)
+      call compute_statistic(x, trend, gram, rounding, options%table, result, error, valid, &
+         progress)
    end subroutine test_adf
 
    !> Refuses options and series that cannot be tested.
@@ -212,7 +214,8 @@ contains
    end subroutine rough_trend
 
    !> Sums of the regression, with enough rows and a difference that varies.
-   subroutine regress(x, trend, terms, lags, rounding, gram, error, valid, shared, progress)
+   subroutine build_regression(x, trend, terms, lags, rounding, gram, error, valid, shared, &
+                               progress)
       real(dp), intent(in), contiguous :: x(:)
       type(trend_type), intent(in) :: trend
       integer, intent(in) :: terms, lags
@@ -244,7 +247,7 @@ contains
                & //"with ct, to rounding: there is nothing to test for a unit root")
          end if
       end associate
-   end subroutine regress
+   end subroutine build_regression
 
    !> The lag by the criterion.
    subroutine choose_lag(x, trend, gram, rounding, result, error, valid, progress)
@@ -267,7 +270,8 @@ contains
    end subroutine choose_lag
 
    !> The regression with the level last: its t statistic is l_level/sqrt(l_y^2/dof).
-   subroutine solve(x, trend, gram, rounding, wants_table, result, error, valid, progress)
+   subroutine compute_statistic(x, trend, gram, rounding, wants_table, result, error, valid, &
+                                progress)
       real(dp), intent(in), contiguous :: x(:)
       type(trend_type), intent(in) :: trend
       type(gram_type), intent(in) :: gram
@@ -295,6 +299,6 @@ contains
       result%stationary = result%statistic < result%critical(2)
       if (wants_table) call coefficient_table(r, scale, gram%terms, gram%lags, gram%rows, &
          & size(x, kind=int64), trend, result%table)
-   end subroutine solve
+   end subroutine compute_statistic
 
 end module gyroakf_series_adf
