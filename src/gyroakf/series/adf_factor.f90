@@ -111,8 +111,7 @@ contains
       mean = 0.0_dp
       if (gram%terms > 0) mean(gram%terms + 1:) = gram%matrix(1, order(gram%terms + 1:)) &
          & /gram%matrix(1, 1)
-      if (.not. all(scale > 0.0_dp) .or. real(n, dp)*real(k, dp)**2 > most_work) &
-         call fail_singular(error)
+      if (.not. all(scale > 0.0_dp) .or. real(n, dp)*real(k, dp)**2 > most_work) call fail(error)
       if (allocated(error)) return
       r = 0.0_dp
       do first = gram%lags + 1, n - 1, max(256, 2*k)
@@ -126,21 +125,20 @@ contains
       r(1, 2:) = r(1, 2:) + r(1, 1)*scale(1)*mean(2:)/scale(2:)
       do i = 1, k
          if (r(i, i) < 0.0_dp) r(i, i:) = -r(i, i:)
-         if (i < k .and. r(i, i) < no_pivot) call fail_singular(error)
+         if (i < k .and. r(i, i) < no_pivot) call fail(error)
          if (allocated(error)) return
       end do
       ! what the rounding of the samples leaves of the last column, or that of the transformations
       lost = max(rounding, epsilon(1.0_dp)*scale(k))
-      if (r(k, k)*scale(k) <= rounding_factor*lost*sqrt(real(gram%rows, dp))) &
-         call fail_singular(error)
+      if (r(k, k)*scale(k) <= rounding_factor*lost*sqrt(real(gram%rows, dp))) call fail(error)
    end subroutine factor_rows
 
-   subroutine fail_singular(error)
+   subroutine fail(error)
       type(error_type), allocatable, intent(out) :: error
 
       call fatal_error(error, status%singular, "the ADF regression is singular: the series is " &
          & //"predicted perfectly by its own past or by its trend; try fewer lags")
-   end subroutine fail_singular
+   end subroutine fail
 
    !> The factor of some rows below a factor.
    subroutine join_rows(x, trend, gram, order, first, last, scale, mean, r, error, valid)
