@@ -44,6 +44,7 @@ contains
       integer(int8), allocatable, target :: present_samples(:)
       type(job_type) :: job
       logical :: keep_series, detrended
+      integer :: stat
 
       job = given
       job%z => job%x
@@ -79,12 +80,15 @@ contains
       if (job%options%do_filter) call run_drift_filters(job, channel, error)
       if (allocated(error) .or. .not. keep_series) return
       if (allocated(cleaned)) call move_alloc(cleaned, channel%series_cleaned)
-      if (.not. allocated(channel%series_cleaned)) channel%series_cleaned = job%x
+      stat = 0
+      if (.not. allocated(channel%series_cleaned)) allocate (channel%series_cleaned, &
+         source=job%x, stat=stat)
       if (allocated(present_samples)) then
          call move_alloc(present_samples, channel%series_present)
-      else if (associated(job%valid)) then
-         channel%series_present = job%valid
+      else if (associated(job%valid) .and. stat == 0) then
+         allocate (channel%series_present, source=job%valid, stat=stat)
       end if
+      call check_memory(stat, "the cleaned series", error)
    end subroutine run_channel
 
    !> Everything after cleaning.
