@@ -52,6 +52,11 @@ files 'src/*.f90' | each awk '
   got == "" && /^ *(module|submodule *\([^)]*\)) +[A-Za-z0-9_]+ *(!.*)?$/ { sub(/ *(!.*)?$/, ""); sub(/.* /, ""); got = $0 }
   END { judge() }' | rule "a module is named after its path"
 
+# the keys "quantisation" and "quantised" of the JSON are as they are
+files 'src/*.f90' 'app/*.f90' 'test/*.f90' 'c_api/*.[ch]' 'python/*.py' 'doc/*.md' '*.md' |
+  each grep -niE '(normal|minim|optim|character|initial|recogn|summar|quant)is(e|es|ed|ing|ation)\b|\b(colour|centre)' |
+  grep -vE '"(quantisation|quantised)"' | rule "American spelling"
+
 files 'src/*.f90' 'app/*.f90' | each awk '
   /^ *!>/ { if (empty && FNR > 2) print FILENAME ":" FNR; empty = 0; doc = 1; next }
   /^ *$/ { empty = doc; next }
