@@ -65,6 +65,7 @@ contains
       call close_list(writer)
       do c = 1, size(result%channel)
          call put_figures("overlay")
+         if (size(result%channel) == 1) call put_figures("allan")
       end do
       if (size(result%channel) > 1) then
          call put_line(writer, "<nav aria-label=""Channels""><ul>")
@@ -131,7 +132,7 @@ contains
          call put_line(writer, " data-channel="""//count_text(int(c - 1, int64))//""">")
          call put_element(writer, "h3", "Channel "//result%channel(c)%name)
          associate (channel => result%channel(c))
-            call put_figures("allan")
+            if (size(result%channel) > 1) call put_figures("allan")
             call put_figures("series")
             call close_list(writer)
             if (with_allan) call put(writer, "<details>")
