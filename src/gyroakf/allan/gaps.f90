@@ -127,7 +127,8 @@ contains
       case ("mdev", "tdev")
          call sum_phase_averages(phase, m, sums, error, progress=progress)
       case default
-         call sum_phase_differences(phase, m, difference_order(kind), sums%squares, error, progress)
+         call sum_phase_differences(phase, m, difference_order(kind), variance, error, progress)
+         sums%squares = variance
          if (kind == "totdev" .and. .not. allocated(error)) then
             call add_reflections(phase, m, sums, error, progress=progress)
          end if

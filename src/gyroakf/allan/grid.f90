@@ -80,7 +80,10 @@ contains
       integer(int64), allocatable :: value(:)
       integer :: i
 
-      value = [(nint(10.0_dp**min(real(i, dp)/per_decade, 18.9_dp), int64), i=0, 19*per_decade - 1)]
+      allocate (value(19*per_decade))
+      do i = 1, size(value)
+         value(i) = nint(10.0_dp**min(real(i - 1, dp)/per_decade, 18.9_dp), int64)
+      end do
       m = pack(value, value <= limit .and. value /= [0_int64, value(:size(value) - 1)])
    end subroutine logarithmic
 

@@ -69,7 +69,10 @@ contains
       integer(int64) :: block_rows, blocks, k, from, to, rounded, missing, short
       integer :: tasks, piece, j, code, worst
 
-      column = [(findloc(table%layout%slot, j, dim=1), j=1, table%layout%stored)]
+      allocate (column(table%layout%stored))
+      do j = 1, size(column)
+         column(j) = findloc(table%layout%slot, j, dim=1)
+      end do
       in_order = .not. has_places(source)
       tasks = 1
       if (binary%by_columns) tasks = merge(int(binary%columns), size(column), in_order)

@@ -72,7 +72,7 @@ contains
          release_string)
       call put_line(writer, "# from "//text_or(record%path, "")//": "// &
          count_text(sample_count(record))//" samples, "//number(result%duration, 6)//" s")
-      call put_lines(writer, [character(96) :: "#", "# SI units, continuous time. "// &
+      call put_lines(writer, [character(97) :: "#", "# SI units, continuous time. "// &
          "noise_density is N of the Allan variance N^2/tau, the root of the", "# two-sided "// &
          "density (not sqrt(2) N); random_walk is K of K^2 tau/3. One number for a sensor: the", &
          "# largest of its axes, taken at the 95 % upper limit where an axis shows no value.", &
