@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> C: recordings. What each function promises is said in c_api/include/gyroakf.h.
+!> C interface, recordings. What each function promises is said in c_api/include/gyroakf.h.
 module gyroakf_c_api_c_record
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
       & c_size_t, c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> C: the release and the texts of the statuses.
+!> C interface, the release and the texts of the statuses.
 module gyroakf_c_api_c_release
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_char, c_null_char, c_loc
    use gyroakf_error, only : status_texts

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> C: tests of stationarity (ADF, KPSS) and the AR model, as documented in c_api/include/gyroakf.h.
+!> C interface, tests of stationarity (ADF, KPSS) and the AR model, as documented in
+!> c_api/include/gyroakf.h.
 module gyroakf_c_api_c_series
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
       & c_size_t, c_null_ptr, c_associated, c_sizeof
