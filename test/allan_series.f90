@@ -132,7 +132,11 @@ contains
       type(noise_type), intent(out) :: noise
       integer(int8), intent(in), contiguous, optional :: valid(:)
 
-      not_fitted = no_curve("oadev", rate, "octave", curve, valid, interval)
+      if (present(valid)) then                      ! an absent one that is passed on is looked at
+         not_fitted = no_curve("oadev", rate, "octave", curve, valid, interval)
+      else
+         not_fitted = no_curve("oadev", rate, "octave", curve, interval=interval)
+      end if
       if (not_fitted) return
       call fit_noise(curve, options, noise, failure)
       not_fitted = went_wrong(failure)

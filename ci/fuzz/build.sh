@@ -63,7 +63,8 @@ for file in "${order[@]}"; do
   cp "$file" "$name"
   case $file in
     */io/lines.f90) small 'block_size = 1048576' 'block_size = 200' "$name" ;;
-    */io/text_rows.f90) small 'piece_size = 131072' 'piece_size = 24' "$name" ;;
+    */io/source.f90) small 'piece_size = 131072' 'piece_size = 24' "$name" ;;
+    */io/text_rows.f90) small 'span_size = 131072' 'span_size = 24' "$name" ;;
   esac
   # shellcheck disable=SC2086
   gfortran $flags -J "$out/objects" -c "$name" -o "$name.o"
