@@ -4,10 +4,10 @@ module test_allan_gaps
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use gyroakf_kinds, only : dp, int8, int32, int64
    use gyroakf_allan_deviations, only : allan_curve_type, allan_options, compute_allan
-   use gyroakf_allan_gapped_average, only : sum_phase_averages
+   use gyroakf_allan_averaged_difference, only : sum_phase_averages
    use gyroakf_allan_reflection, only : add_reflections, complete_weight
    use gyroakf_allan_phase_difference, only : sum_phase_differences
-   use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
+   use gyroakf_allan_window_difference, only : window_sums_type, sum_windows
    use allan_series, only : normal_series, uniform_series, walk_of
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong
    implicit none (type, external)
@@ -73,7 +73,7 @@ contains
       real(dp), intent(in) :: weight(:, :)
       !> Share of the weights that must be there
       real(dp), intent(in) :: coverage
-      type(gap_sums_type), intent(inout) :: sums
+      type(window_sums_type), intent(inout) :: sums
       !> Sum over the samples of the squared weights of the difference, less those of the complete record
       real(dp), intent(inout) :: white
 
@@ -92,7 +92,7 @@ contains
    end subroutine add_difference
 
    subroutine compare(found, expected, white, label)
-      type(gap_sums_type), intent(in) :: found, expected
+      type(window_sums_type), intent(in) :: found, expected
       !> Inflation by the definition
       real(dp), intent(in) :: white
       character(*), intent(in) :: label
@@ -105,7 +105,7 @@ contains
    subroutine test_average_definition()
       ! triangles of weights, every term by its own sums; 133 terms remain of m = 89
       integer, parameter :: n = 398, m(4) = [1, 7, 30, 89]
-      type(gap_sums_type) :: found(4), expected
+      type(window_sums_type) :: found(4), expected
       real(dp) :: rate(n), phase(0:n), weight(n, 2), white
       integer(int32) :: missing(0:n)
       integer :: pattern, i, j, s
@@ -115,7 +115,7 @@ contains
          call integrate(rate, presence(n, pattern), phase, missing)
          call sum_phase_averages(phase, int(m, int64), found, failure, missing, spread(0.85_dp, 1, size(m)))
          do i = 1, size(m)
-            expected = gap_sums_type()
+            expected = window_sums_type()
             white = 0
             do j = 0, n - 3*m(i) + 1
                weight = 0
@@ -133,7 +133,7 @@ contains
    subroutine test_reflection_definition()
       ! a sample that the mirror shows twice has twice the weight
       integer, parameter :: n = 398, m(4) = [1, 7, 30, 190]
-      type(gap_sums_type) :: found(4), expected
+      type(window_sums_type) :: found(4), expected
       real(dp) :: rate(n), phase(0:n), weight(n, 2), white
       integer(int32) :: missing(0:n)
       integer :: pattern, i, k, s, w, place
@@ -145,7 +145,7 @@ contains
             & spread(0.85_dp, 1, size(m)))
          call add_reflections(phase, int(m, int64), found, failure, missing, spread(0.85_dp, 1, size(m)))
          do i = 1, size(m)
-            expected = gap_sums_type()
+            expected = window_sums_type()
             white = 0
             do k = 1, n - 1
                weight = 0
@@ -168,7 +168,7 @@ contains
       ! a coverage of one in a record of which all is there: the plain sums
       integer, parameter :: n = 100000
       integer(int64), parameter :: m(5) = [1_int64, 3_int64, 100_int64, 5000_int64, 33333_int64]
-      type(gap_sums_type) :: found(5), plain(5)
+      type(window_sums_type) :: found(5), plain(5)
       real(dp), allocatable :: rate(:), phase(:)
       integer(int32), allocatable :: missing(:)
       integer :: i

@@ -120,7 +120,7 @@ contains
    end subroutine test_late
 
    !> Losses at about even distances. With jitter the steps there are longer or shorter, and what is
-   !> lost is rounded, not cut; at 45 % no single step tells a loss, but the level of the lag. One
+   !> lost is rounded, not cut; at 45 % no single step shows a loss, but the level of the lag. One
    !> in twenty lost leaves fewer than 97 % of the steps even.
    subroutine test_gaps()
       real(dp), parameter :: jitter(5) = [0.2_dp, 0.2_dp, 0.45_dp, 0.05_dp, 0.0_dp]

@@ -15,7 +15,7 @@ static int complain(const gyroakf_error *err) {
   return 1;
 }
 
-/* A value, an upper limit, or that the fit cannot tell. */
+/* A value, an upper limit, or that the record does not determine it. */
 static void print_coefficient(const gyroakf_coefficient *c, int width) {
   char text[32] = "withheld";
   if (c->fitted) snprintf(text, sizeof text, c->detected ? "%.4g" : "< %.4g", c->detected ? c->value : c->upper_limit);

@@ -365,7 +365,7 @@ typedef struct gyroakf_noise {
  * Noise coefficients of a curve of kind "oadev": generalized least squares with non-negative terms at the octaves 1, 2, 4, ...
  * samples up to a quarter of the record, whatever averaging times the curve has. The curve is not changed. "auto" fits the
  * longest run of octaves that q n b k r describe and chooses among them. A coefficient has a value (detected 1), a limit
- * (detected 0), or is withheld (fitted 0): the fit cannot tell it.
+ * (detected 0), or is withheld (fitted 0): the record does not determine it.
  */
 GYROAKF_API int gyroakf_noise_fit(const gyroakf_allan *a, const gyroakf_fit_options *opt, gyroakf_noise *out,
                                   gyroakf_error *err);

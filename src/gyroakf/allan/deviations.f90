@@ -41,7 +41,7 @@ module gyroakf_allan_deviations
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_allan_block_sums, only : block_sums_type, sum_blocks
    use gyroakf_allan_curve, only : allan_curve_type, fill_curve, fill_limits, fill_octaves
-   use gyroakf_allan_gaps, only : allan_variances
+   use gyroakf_allan_variances, only : allan_variances
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_noise_identification, only : identify_noise
    use gyroakf_allan_phase, only : integrate_blocks, level_phase

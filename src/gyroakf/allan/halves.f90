@@ -35,7 +35,7 @@ module gyroakf_allan_halves
    use gyroakf_allan_difference_kurtosis, only : find_kurtosis
    use gyroakf_allan_fit_covariance, only : covariance_basis, covariance_basis_type, &
       & mixture_covariances
-   use gyroakf_allan_gaps, only : allan_variances
+   use gyroakf_allan_variances, only : allan_variances
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_lapack, only : dsyev
    use gyroakf_allan_noise_fit, only : noise_type

@@ -11,7 +11,7 @@
 module gyroakf_allan_noise_identification
    use gyroakf_error, only : check_memory, error_type
    use gyroakf_kinds, only : dp, int32, int64
-   use gyroakf_allan_gaps, only : window_coverage
+   use gyroakf_allan_variances, only : window_coverage
    implicit none (type, external)
    private
    public :: identify_noise, means_max
@@ -49,7 +49,7 @@ contains
       integer :: i, most, last, stat(size(m))
 
       coverage = min_coverage
-      if (present(missing)) coverage = window_coverage(missing, m, min_coverage)
+      if (present(missing)) call window_coverage(missing, m, min_coverage, coverage)
       most = 2
       if (present(differences)) most = differences
       !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Sums of squared second differences of phase averages: the work of the modified Allan variance of
-!> a record without gaps ([[gyroakf_allan_gapped_average]] cuts it into chains).
+!> a record without gaps ([[gyroakf_allan_averaged_difference]] cuts it into chains).
 !>
 !> $$ z_j = \sum_{i=j}^{j+m-1} (x_{i+2m} - 2 x_{i+m} + x_i), \quad
 !>    z_{j+1} = z_j + x_{j+3m} - 3 x_{j+2m} + 3 x_{j+m} - x_j $$

@@ -18,7 +18,7 @@ module gyroakf_allan_reflection
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : error_type
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_allan_window_difference, only : add_sums, gap_sums_type
+   use gyroakf_allan_window_difference, only : add_sums, window_sums_type
    implicit none (type, external)
    private
    public :: add_reflections, complete_weight
@@ -39,7 +39,7 @@ contains
       integer(int64), intent(in) :: m(:)
       !> The sums to add to: [size(m)]; with `missing` the inflation is what unit white noise adds
       !> to the square of a term, else only the squares are added to
-      type(gap_sums_type), intent(inout) :: sums(:)
+      type(window_sums_type), intent(inout) :: sums(:)
       !> cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Missing samples so far: [0:n]; none are missing if absent
@@ -49,7 +49,7 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type) :: part(batch)
+      type(window_sums_type) :: part(batch)
       integer(int64) :: blocks, b, first, from, to
       integer :: i
 
@@ -118,7 +118,7 @@ contains
       real(dp), intent(in) :: coverage
       !> First and last j, within 1 .. m - 1
       integer(int64), intent(in) :: first, last
-      type(gap_sums_type), intent(out) :: sums
+      type(window_sums_type), intent(out) :: sums
 
       integer(int64) :: n, j, near, far, least
 
@@ -145,7 +145,7 @@ contains
       real(dp), intent(in) :: outer, inner
       !> Present samples that the outer window holds twice and once, and those of the inner window
       integer(int64), intent(in) :: twice, once, whole
-      type(gap_sums_type), intent(inout) :: sums
+      type(window_sums_type), intent(inout) :: sums
 
       real(dp) :: c1, c2, white, complete
 

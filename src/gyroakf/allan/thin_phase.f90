@@ -15,7 +15,7 @@ module gyroakf_allan_thin_phase
    use gyroakf_allan_noise_identification, only : identify_noise, means_max
    use gyroakf_allan_phase, only : integrate_rate, integrate_stretch
    use gyroakf_allan_statistic, only : difference_order, term_count, variance_divisor
-   use gyroakf_allan_window_difference, only : add_sums, add_windows, gap_sums_type, sum_windows
+   use gyroakf_allan_window_difference, only : add_sums, add_windows, window_sums_type, sum_windows
    implicit none (type, external)
    private
    public :: thinning_index, fill_from_few_phases
@@ -60,7 +60,7 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type) :: sums(size(m))
+      type(window_sums_type) :: sums(size(m))
       real(dp), allocatable :: phase(:)
       integer(int32), allocatable :: missing(:)
       integer(int64) :: n, terms(size(m)), first, seen
@@ -105,12 +105,12 @@ contains
       !> Phases 0, step, 2 step ...: [0:n/step]
       real(dp), allocatable, intent(out) :: phase(:)
       !> As of [[sum_windows]]: [size(m)]
-      type(gap_sums_type), intent(out) :: sums(:)
+      type(window_sums_type), intent(out) :: sums(:)
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
 
       real(dp), allocatable :: x(:, :)
-      type(gap_sums_type), allocatable :: part(:, :)
+      type(window_sums_type), allocatable :: part(:, :)
       integer(int64) :: n, from, begin, group, s
       integer :: stat
 
@@ -125,7 +125,7 @@ contains
       do from = 0, n - 1, group*row*stretch_length
          call report_progress("Allan deviation", from, n, error, progress)
          if (allocated(error)) return
-         part = gap_sums_type()
+         part = window_sums_type()
          !$omp parallel do schedule(dynamic) private(begin)
          do s = 1, group
             do begin = from + (s - 1)*row*stretch_length, min(n, from + s*row*stretch_length) - 1, &
@@ -149,9 +149,9 @@ contains
       integer, intent(in) :: order
       !> Place for its phases, and those of the windows that reach beyond it
       real(dp), intent(inout), contiguous :: x(0:), phase(0:)
-      type(gap_sums_type), intent(inout) :: sums(:)
+      type(window_sums_type), intent(inout) :: sums(:)
 
-      type(gap_sums_type) :: part
+      type(window_sums_type) :: part
       integer(int64) :: length, block, first, last
       integer :: i
 

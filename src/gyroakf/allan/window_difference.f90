@@ -12,10 +12,10 @@ module gyroakf_allan_window_difference
    use gyroakf_threads, only : thread_count
    implicit none (type, external)
    private
-   public :: gap_sums_type, sum_windows, add_windows, add_sums, squared_differences
+   public :: window_sums_type, sum_windows, add_windows, add_sums, squared_differences
 
    !> What a record gives for one averaging factor
-   type :: gap_sums_type
+   type :: window_sums_type
       !> Sum of the squared differences of neighboring window means
       real(dp) :: squares = 0.0_dp
       !> Sum over the terms of 1/c_1 + 1/c_2 - 2/m, or of 1/c_1 + 4/c_2 + 1/c_3 - 6/m, c the present
@@ -26,7 +26,7 @@ module gyroakf_allan_window_difference
       !> Total variance: their expectations in white noise, relative to that of a term that sees no
       !> end of the record
       real(dp) :: weight = 0.0_dp
-   end type gap_sums_type
+   end type window_sums_type
 
    !> Samples of a stretch, and stretches that run in a batch
    integer(int64), parameter :: stretch_length = 65536, batch = 64
@@ -52,7 +52,7 @@ contains
       logical, intent(in) :: overlapping
       !> The sums: [size(m)]; without gaps the squares are those of sums, not of means: m^2 times as
       !> large
-      type(gap_sums_type), intent(out) :: sums(:)
+      type(window_sums_type), intent(out) :: sums(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Missing samples so far: [0:n]; none are missing if absent
@@ -62,7 +62,7 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type), allocatable :: part(:, :)
+      type(window_sums_type), allocatable :: part(:, :)
       integer(int64) :: n, from, stretches, group, s, stride, first, last
       integer :: i, low, high, stat
 
@@ -105,8 +105,8 @@ contains
    !> Adds the sums of some terms to those of others.
    elemental subroutine add_sums(part, total)
       !> What is added, and to what
-      type(gap_sums_type), intent(in) :: part
-      type(gap_sums_type), intent(inout) :: total
+      type(window_sums_type), intent(in) :: part
+      type(window_sums_type), intent(inout) :: total
 
       total%squares = total%squares + part%squares
       total%inflation = total%inflation + part%inflation
@@ -125,7 +125,7 @@ contains
       !> From term to term, 1 or m; the first term; no term beyond
       integer(int64), intent(in) :: stride, first, last
       !> The sums
-      type(gap_sums_type), intent(out) :: sums
+      type(window_sums_type), intent(out) :: sums
       !> Missing samples so far, [0:n], and share of a window that must be present
       integer(int32), intent(in), contiguous, optional :: missing(0:)
       real(dp), intent(in), optional :: coverage
@@ -190,7 +190,7 @@ contains
       integer(int32), intent(in), contiguous :: lost(:)
       !> Places from the beginning of a window to its end
       integer(int64), intent(in) :: step
-      type(gap_sums_type), intent(inout) :: sums
+      type(window_sums_type), intent(inout) :: sums
 
       real(dp) :: w(3), whole, n1, n2, n3, counts, i1, i2, i3, squares, inverse
       integer(int64) :: a, b, c, d

@@ -13,7 +13,7 @@ module gyroakf_filter_drift_search
 
    !> Slope of the log-likelihood of a sample at which a search ends; steps of a search, and of its
    !> end: two or three are enough, more would follow the long ridges of models that the series does
-   !> not tell apart
+   !> not distinguish
    real(dp), parameter :: gradient_tolerance = 1.0e-8_dp
    integer, parameter :: max_iterations = 40, max_final_steps = 6
    !> Log-likelihood that is not worth a step: of a search (the parameters are then

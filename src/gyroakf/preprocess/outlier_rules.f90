@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Rules that tell an outlier: |residual - center| > threshold x scale.
+!> Rules that mark an outlier: |residual - center| > threshold x scale.
 !>
 !> | method | center and scale | threshold |
 !> |---|---|---|

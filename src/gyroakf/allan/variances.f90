@@ -12,23 +12,23 @@
 !>
 !> and three (Hadamard), with 6 instead of 2 and 1/c_1 + 4/c_2 + 1/c_3 - 6/m. In general the bracket
 !> is the variance of a term in white noise of variance 1, less that of a complete record: for the
-!> modified variance see [[gyroakf_allan_gapped_average]], for the total variance
+!> modified variance see [[gyroakf_allan_averaged_difference]], for the total variance
 !> [[gyroakf_allan_reflection]]. White noise stays unbiased; drift hardly varies within a window and
 !> is not touched. The total variance alone loses some of a random walk to a gap, whose terms weigh
 !> more than those near the ends: 2 % of the variance at T/16, 17 % at T/5 where a gap of a tenth
 !> takes half of the terms. An averaging time is left out of it where less than half of the weight
 !> remains. S_m^2 follows from the overlapping Allan variances of the octaves below m: for m = 2^J
 !> it is the sum over j < J of sigma^2(2^j) times m/(2(m - 1)).
-module gyroakf_allan_gaps
+module gyroakf_allan_variances
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type
-   use gyroakf_allan_gapped_average, only : sum_phase_averages
+   use gyroakf_allan_averaged_difference, only : sum_phase_averages
    use gyroakf_allan_grid, only : averaging_factors
    use gyroakf_allan_phase_difference, only : sum_phase_differences
    use gyroakf_allan_reflection, only : add_reflections, complete_weight
    use gyroakf_allan_statistic, only : difference_order, term_count, variance_divisor
-   use gyroakf_allan_window_difference, only : gap_sums_type, sum_windows
+   use gyroakf_allan_window_difference, only : window_sums_type, sum_windows
    implicit none (type, external)
    private
    public :: allan_variances, window_coverage
@@ -49,7 +49,7 @@ contains
    !> these are a random sample of the window, whose mean is corrected for, whatever the noise.
    !> Scattered are gaps of at most m/8 samples, and single samples. A `min_coverage` of 1 demands
    !> complete windows.
-   pure function window_coverage(missing, m, min_coverage) result(coverage)
+   pure subroutine window_coverage(missing, m, min_coverage, coverage)
       !> Missing samples so far: [0:n]
       integer(int32), intent(in), contiguous :: missing(0:)
       !> Averaging factors
@@ -57,7 +57,7 @@ contains
       !> Share of a window without scattered losses, > 0, <= 1
       real(dp), intent(in) :: min_coverage
       !> At most `min_coverage`: [size(m)]
-      real(dp) :: coverage(size(m))
+      real(dp), intent(out) :: coverage(:)
       integer(int64) :: lost(0:bit_size(0_int64)), i, gap, n
       real(dp) :: scattered
       integer :: j, shortest
@@ -85,7 +85,7 @@ contains
          coverage(j) = min(min_coverage, &
             & max(1.0_dp, anint(min_coverage*(1 - scattered)*real(m(j), dp)))/real(m(j), dp))
       end do
-   end function window_coverage
+   end subroutine window_coverage
 
    !> Variances of a record; with missing samples the inflation by those that are not there removed.
    subroutine allan_variances(kind, phase, m, min_coverage, variance, terms, share, error, &
@@ -112,13 +112,17 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type) :: sums(size(m))
+      type(window_sums_type), allocatable :: sums(:)
+      integer :: stat
 
       if (present(missing)) then
          call gapped_variances(kind, phase, missing, m, min_coverage, variance, terms, share, &
             & error, progress)
          return
       end if
+      allocate (sums(size(m)), stat=stat)
+      call check_memory(stat, "the Allan variances", error)
+      if (allocated(error)) return
       share = 1
       terms = term_count(kind, ubound(phase, 1, kind=int64), m)
       select case (kind)
@@ -150,29 +154,36 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type), allocatable :: sums(:)
-      integer(int64), allocatable :: octave(:)
+      type(window_sums_type), allocatable :: sums(:)
+      integer(int64), allocatable :: octave(:), factor(:)
       real(dp), allocatable :: within(:), coverage(:)
       real(dp) :: divisor, raw
-      integer :: i, stat
+      integer :: i, octaves, stat
       logical :: same
 
       call averaging_factors("octave", ubound(phase, 1, kind=int64), 1.0_dp, octave, error)
       if (allocated(error)) return
-      allocate (sums(size(octave)), within(size(octave)))
-      coverage = window_coverage(missing, [octave, m], min_coverage)
-      call sum_windows(phase, octave, 2, .true., sums, error, missing, coverage(:size(octave)), &
-         & progress)
+      octaves = size(octave)
+      allocate (sums(octaves), stat=stat)
+      if (stat == 0) allocate (within(octaves), stat=stat)
+      if (stat == 0) allocate (factor(octaves + size(m)), stat=stat)
+      if (stat == 0) allocate (coverage(octaves + size(m)), stat=stat)
+      call check_memory(stat, "the Allan variances", error)
+      if (allocated(error)) return
+      factor(:octaves) = octave
+      factor(octaves + 1:) = m
+      call window_coverage(missing, factor, min_coverage, coverage)
+      call sum_windows(phase, octave, 2, .true., sums, error, missing, coverage(:octaves), progress)
       if (allocated(error)) return
       call variance_within_windows(sums, octave, within)
-      same = kind == "oadev" .and. size(m) == size(octave)
+      same = kind == "oadev" .and. size(m) == octaves
       if (same) same = all(m == octave)
       if (.not. same) then
          deallocate (sums)
          allocate (sums(size(m)), stat=stat)
          call check_memory(stat, "the Allan variances", error)
          if (allocated(error)) return
-         associate (coverage => coverage(size(octave) + 1:))
+         associate (coverage => coverage(octaves + 1:))
             if (any(kind == ["mdev", "tdev"])) then
                call sum_phase_averages(phase, m, sums, error, missing, coverage, progress)
             else
@@ -201,7 +212,7 @@ contains
    !> too many are lost.
    pure subroutine divide_by_weight(samples, m, sums)
       integer(int64), intent(in) :: samples, m
-      type(gap_sums_type), intent(inout) :: sums
+      type(window_sums_type), intent(inout) :: sums
       real(dp) :: share
 
       share = sums%weight/complete_weight(samples, m)
@@ -217,7 +228,7 @@ contains
    !> Variance of the samples within windows of 1, 2, 4 ... samples, from the variances of the
    !> octaves.
    pure subroutine variance_within_windows(sums, octave, within)
-      type(gap_sums_type), intent(in) :: sums(:)
+      type(window_sums_type), intent(in) :: sums(:)
       integer(int64), intent(in) :: octave(:)
       !> S^2 of windows of that length; of the first, of two samples
       real(dp), intent(out) :: within(:)
@@ -235,7 +246,7 @@ contains
 
    !> Variance from the sums, less what the missing samples add.
    pure real(dp) function corrected(sums, within, divisor)
-      type(gap_sums_type), intent(in) :: sums
+      type(window_sums_type), intent(in) :: sums
       real(dp), intent(in) :: within
       !> 2 (Allan) or 6 (Hadamard)
       real(dp), intent(in) :: divisor
@@ -264,4 +275,4 @@ contains
       end if
    end function interpolated
 
-end module gyroakf_allan_gaps
+end module gyroakf_allan_variances

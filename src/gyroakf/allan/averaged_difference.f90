@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Squared differences of triangular means with missing samples: the work of the modified Allan
-!> variance with gaps.
+!> Squared differences of phase averages, with or without missing samples: the work of the modified
+!> Allan variance.
 !>
 !> The second difference of the phase averages is the difference of two means of the rate, whose
 !> weights form triangles T(s) = s for s = 1 .. m, 2m - s for s = m .. 2m - 1, the second m samples
@@ -22,13 +22,13 @@
 !> and its first two moments about their beginnings, which go from term to term by recursion, as the
 !> sums of the rate do: a term costs the same whatever m. Without gaps the kernel is
 !> [[gyroakf_allan_phase_average]].
-module gyroakf_allan_gapped_average
+module gyroakf_allan_averaged_difference
    use gyroakf_kinds, only : dp, int32, int64
    use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_threads, only : thread_count
    use gyroakf_allan_phase_average, only : add_terms
-   use gyroakf_allan_window_difference, only : add_sums, gap_sums_type
+   use gyroakf_allan_window_difference, only : add_sums, window_sums_type
    implicit none (type, external)
    private
    public :: sum_phase_averages
@@ -60,8 +60,8 @@ contains
    !> For each m the sums over j = 0 .. n - 3m + 1.
    !>
    !> The recursions restart at fixed places: no rounding error runs along, and no bit depends on
-   !> the number of threads. Chains at the same place follow each other: they share a stretch of the
-   !> record while it is in the cache.
+   !> the number of threads. Chains at the same place follow each other: they use the same block of
+   !> the record while it is in the cache.
    subroutine sum_phase_averages(phase, m, sums, error, missing, coverage, progress)
       !> Phase, to which missing samples added nothing: [0:n]
       real(dp), intent(in), contiguous :: phase(0:)
@@ -69,7 +69,7 @@ contains
       integer(int64), intent(in) :: m(:)
       !> The sums: [size(m)]; with `missing` of differences of means, and the inflation is the sum
       !> of V - (m^2 + 1)/m^3; without, of differences of sums
-      type(gap_sums_type), intent(out) :: sums(:)
+      type(window_sums_type), intent(out) :: sums(:)
       !> no_memory, cancelled
       type(error_type), allocatable, intent(out) :: error
       !> Missing samples so far: [0:n]; none are missing if absent
@@ -79,9 +79,9 @@ contains
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
 
-      type(gap_sums_type), allocatable :: part(:)
+      type(window_sums_type), allocatable :: part(:)
       type(chain_type), allocatable :: chain(:)
-      integer(int64) :: terms, total, item, from, group
+      integer(int64) :: terms, total, item, from, to, group, done, all_terms
       integer :: i, stat
 
       terms = ubound(phase, 1, kind=int64) + 2
@@ -96,12 +96,15 @@ contains
       total = size(chain, kind=int64)
       group = max(total, 1_int64)
       if (present(progress)) group = 8*thread_count()
+      all_terms = sum(chain%terms)
+      done = 0
       do from = 1, total, group
-         call report_progress("Allan deviation", sum(chain(:from - 1)%terms), sum(chain%terms), &
-            & error, progress)
+         to = min(from + group - 1, total)
+         call report_progress("Allan deviation", done, all_terms, error, progress)
          if (allocated(error)) return
+         done = done + sum(chain(from:to)%terms)
          !$omp parallel do schedule(dynamic) private(i) if (terms*size(m) >= parallel_from)
-         do item = from, min(from + group - 1, total)
+         do item = from, to
             i = chain(item)%factor
             if (present(missing)) then
                call add_gapped_chain(phase, missing, m(i), coverage(i), chain(item)%begin, &
@@ -123,16 +126,17 @@ contains
       integer(int64), intent(in) :: terms(:), length(:)
       type(chain_type), allocatable, intent(out) :: chain(:)
       integer, intent(out) :: stat
-      integer(int64) :: item, first, begin
+      integer(int64) :: item, first, begin, step
       integer :: i
 
       allocate (chain(sum((terms - 1)/length + 1)), stat=stat)
       if (stat /= 0) return
       item = 0
-      do first = 0, maxval(terms) - 1, minval(length)
+      step = minval(length)
+      do first = 0, maxval(terms) - 1, step
          do i = 1, size(terms)
             begin = (first + length(i) - 1)/length(i)*length(i)
-            if (begin >= min(first + minval(length), terms(i))) cycle
+            if (begin >= min(first + step, terms(i))) cycle
             item = item + 1
             chain(item) = chain_type(i, begin, min(length(i), terms(i) - begin))
          end do
@@ -146,7 +150,7 @@ contains
       integer(int64), intent(in) :: m
       real(dp), intent(in) :: coverage
       integer(int64), intent(in) :: first, terms
-      type(gap_sums_type), intent(out) :: sums
+      type(window_sums_type), intent(out) :: sums
 
       type(state_type) :: state
       real(dp) :: allowed, whole
@@ -233,7 +237,7 @@ contains
       real(dp), intent(in) :: m
       !> Weight that a triangle may lack, < m^2
       real(dp), intent(in) :: allowed
-      type(gap_sums_type), intent(inout) :: sums
+      type(window_sums_type), intent(inout) :: sums
 
       real(dp) :: lack1, lack2, d1, d2, e1, e2, f, whole
 
@@ -251,4 +255,4 @@ contains
       sums%terms = sums%terms + 1
    end subroutine add_gapped_term
 
-end module gyroakf_allan_gapped_average
+end module gyroakf_allan_averaged_difference
