@@ -133,6 +133,18 @@ examples() { # every example builds, runs, and prints what example/output/ says,
   ./setup.sh fpm run --example --all --runner ci/example.sh
 }
 
+benches() { # every program of bench/ and validation/ still builds
+  local file failed=0
+  for file in bench/*/fpm.toml validation/*/fpm.toml; do
+    (cd "$(dirname "$file")" && ../../setup.sh fpm build) || failed=1
+  done
+  for file in bench/*/app/main.f90; do
+    file=${file%/app/main.f90}
+    [ -e "$file/fpm.toml" ] || bench/program.sh "${file#bench/}" || failed=1
+  done
+  return $failed
+}
+
 header() { # the C sources and the header alone as C99 and, where there is a C++ compiler, as C++; the C++ example as C++11
   local file
   for file in c_api/include/gyroakf.h c_api/*/*.c; do
@@ -159,5 +171,5 @@ sanitizers() {
     UBSAN_OPTIONS=print_stacktrace=1 "$@"
 }
 
-export -f faults builds clean command_line binary header lint mutants warnings examples checked sanitizers
+export -f benches faults builds clean command_line binary header lint mutants warnings examples checked sanitizers
 export checked_fortran checked_c sanitized logs

@@ -2,14 +2,14 @@
 !> Drift under white noise: identified from the record, then followed by a filter that adapts R.
 program example_adaptive_filter
    use gyroakf, only : dp, error_type, record_type, simulate_options, simulate_record, drift_identification_options, &
-      drift_identification_type, identify_drift_model, drift_options, filter_type, design_drift_akf, filter_result_type, &
+      drift_identification_type, identify_drift_model, drift_options, drift_filter_type, design_drift_akf, filter_result_type, &
       & filter_series
    implicit none (type, external)
    type(error_type), allocatable :: error
    type(simulate_options) :: noise
    type(record_type) :: record
    type(drift_identification_type) :: drift
-   type(filter_type) :: filter
+   type(drift_filter_type) :: filter
    type(filter_result_type) :: quality
    real(dp) :: x(12000)
 

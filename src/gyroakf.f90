@@ -52,8 +52,8 @@ module gyroakf
    ! AR models
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar, ar_spectrum
    ! Kalman filter and Sage-Husa adaptive Kalman filter
-   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, step_filter, &
-      run_filter, freeze_filter
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options, filter_type, new_filter, &
+      step_filter, run_filter, freeze_filter
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, &

@@ -4,7 +4,7 @@ module filter_library
    use gyroakf_kinds, only : dp, int64
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_kalman, only : filter_options, filter_type
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options
    use gyroakf_lapack, only : dpotrf, dpotrs
    use gyroakf_random, only : random_type, seed_random, fill_normal
    use expectations, only : failure => problem, went_wrong
@@ -247,7 +247,7 @@ contains
 
    !> A filter that must come about.
    logical function not_made(filter, model, slow, options)
-      type(filter_type), intent(out) :: filter
+      type(drift_filter_type), intent(out) :: filter
       type(component_model_type), intent(in) :: model
       logical, intent(in) :: slow(:)
       type(filter_options), intent(in) :: options

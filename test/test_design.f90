@@ -7,7 +7,7 @@ module test_design
    use gyroakf_filter_design, only : design_options, design_kf, design_akf, drift_options, design_drift_kf, design_drift_akf, &
       adaptive_drift
    use gyroakf_filter_drift_identification, only : drift_identification_options, drift_identification_type, identify_drift_model
-   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter, run_filter
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options, filter_type, new_filter, run_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use filter_library, only : fill_noise, make_series, paper_phi
    use expectations, only : unmet, failure => problem, test, error, check, went_wrong, check_refused
@@ -191,7 +191,7 @@ contains
    !> White noise three times as large in the middle third: the adaptive filter within 1.05 of the one that knows when
    subroutine test_jump()
       type(drift_identification_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(12000), x(12000), drift(12000), best, p, k
       integer :: i
 
@@ -218,13 +218,14 @@ contains
    subroutine test_identified()
       type(drift_identification_type) :: found, wrong
       type(filter_options) :: options
-      type(filter_type) :: filter
+      type(filter_type) :: ideal
+      type(drift_filter_type) :: filter
       real(dp) :: z(12000), x(12000), drift(12000), best, differences
       integer :: power
 
       call make_series(98, 0.98_dp, 1.0e-4_dp, 4.2e-4_dp, z, drift)
-      call new_filter(filter, [0.98_dp], 1.0e-4_dp*0.0396_dp, 4.2e-4_dp, filter_options(), failure)
-      call run_filter(filter, z, x)
+      call new_filter(ideal, [0.98_dp], 1.0e-4_dp*0.0396_dp, 4.2e-4_dp, filter_options(), failure)
+      call run_filter(ideal, z, x)
       best = norm2(x - drift)
       call design_drift_kf(found, filter, failure)
       if (unmet(allocated(failure), "a drift that was not found is filtered")) return
@@ -233,7 +234,7 @@ contains
       call design_drift_kf(found, filter, failure)
       call run_filter(filter, z, x)
       call check(error, norm2(x - drift) <= 1.02_dp*best, "the fixed filter")
-      call check(error, filter%drift_model%count == found%model%count .and. .not. filter%adaptive, "another model is filtered")
+      call check(error, filter%model%count == found%model%count .and. .not. filter%adaptive, "another model is filtered")
       differences = sum((z(2:) - z(:11999))**2)/11999
       do power = -3, 3, 3
          wrong = found
@@ -254,6 +255,7 @@ contains
       type(ar_model_type) :: model
       type(drift_identification_type) :: drift
       type(filter_type) :: filter
+      type(drift_filter_type) :: drift_filter
       real(dp) :: z(500), differences
 
       call design_kf(model, design_options(), filter, failure)
@@ -264,7 +266,7 @@ contains
       if (unmet(allocated(failure), "r_factor = 0")) return
       call design_akf(model, differences, design_options(akf="other"), filter, failure)
       call check_refused(failure, status%invalid_argument)
-      call design_drift_kf(drift, filter, failure)
+      call design_drift_kf(drift, drift_filter, failure)
       if (unmet(allocated(failure), "no drift was found")) return
       model%variance = 0
       call design_kf(model, design_options(), filter, failure)

@@ -6,7 +6,7 @@ module test_drift_adaptation
    use gyroakf_kinds, only : dp
    use gyroakf_filter_components, only : component_model_type, component_state_type, &
       & most_components, start_components, predict_components, correct_components
-   use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter, run_filter, &
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options, step_filter, run_filter, &
       & freeze_filter
    use filter_library, only : adaptive, make_data, make_series, not_made, some_model
    use expectations, only : test, error, check, failed => problem, went_wrong
@@ -36,7 +36,7 @@ contains
    !> One outlier moves the drift by no more than the gate lets it
    subroutine test_outlier()
       type(component_model_type) :: model
-      type(filter_type) :: filter, other
+      type(drift_filter_type) :: filter, other
       real(dp) :: z(2000), x(2000), y, without, r
       integer :: processes
 
@@ -60,7 +60,7 @@ contains
       integer, parameter :: n = 100000
       type(component_model_type) :: model
       type(filter_options) :: options
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp), allocatable :: z(:), x(:)
 
       allocate (z(n), x(n))
@@ -79,7 +79,7 @@ contains
    subroutine test_shift()
       integer, parameter :: n = 1000
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(n), x(n), drift(n), r
       integer :: processes
 
@@ -103,7 +103,7 @@ contains
    !> Frozen, R stays and the state goes on
    subroutine test_frozen()
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(2000), x(2000), r
       integer :: processes
 
@@ -126,7 +126,7 @@ contains
    subroutine test_bounds()
       type(component_model_type) :: model
       type(filter_options) :: options
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(2000), x(2000)
       integer :: processes
 
@@ -155,7 +155,7 @@ contains
       integer, parameter :: n = 12000
       type(component_model_type) :: model, wrong
       type(filter_options) :: options
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp), allocatable :: z(:), x(:), drift(:)
       real(dp) :: oracle
       integer :: i, seed
@@ -189,7 +189,7 @@ contains
    subroutine test_burn_in()
       type(component_model_type) :: model
       type(filter_options) :: never, options
-      type(filter_type) :: filter, other
+      type(drift_filter_type) :: filter, other
       real(dp) :: expected, x(5000), z(5000)
 
       never%huber = 1.0e6_dp
@@ -218,9 +218,9 @@ contains
 
    !> How far the gains are from the steady ones, in units of the largest
    pure real(dp) function distance(filter)
-      type(filter_type), intent(in) :: filter
+      type(drift_filter_type), intent(in) :: filter
 
-      distance = maxval(abs(filter%drift_state%gain - filter%drift_steady))/maxval(filter%drift_steady)
+      distance = maxval(abs(filter%state%gain - filter%steady_gains))/maxval(filter%steady_gains)
    end function distance
 
    !> An AR(1) process and a random walk.
@@ -254,7 +254,7 @@ contains
    !> The likelihood of the paper's own record may leave white noise of e^-60 beside an AR(1) and a walk: the filter is that
    !> without it.
    subroutine test_no_white_noise()
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       type(filter_options) :: options
       real(dp) :: z(2000), x(2000, 2)
       integer :: i

@@ -7,7 +7,7 @@ module test_drift_filter
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_drift_steady, only : drift_dc_gain, steady_drift_gain
-   use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter, run_filter, freeze_filter
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options, step_filter, run_filter, freeze_filter
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
    use filter_library, only : adaptive, dense_drift, fill_noise, make_data, not_made, rounding, &
       & some_model
@@ -39,7 +39,7 @@ contains
    !> Local level: K from q/r in closed form
    subroutine test_steady_walk()
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(20000), x(20000), expected
       integer :: i
 
@@ -62,7 +62,7 @@ contains
    subroutine test_steady_more()
       type(component_model_type) :: model
       type(filter_options) :: never
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(30000), x(30000), gain(3), alone(3)
       integer :: processes
 
@@ -72,7 +72,7 @@ contains
          model = some_model(processes)
          if (not_made(filter, model, spread(.true., 1, processes), never)) return
          call run_filter(filter, z, x)
-         call check(error, maxval(abs(filter%drift_state%gain - filter%drift_steady)) <= rounding, "not the steady gain")
+         call check(error, maxval(abs(filter%state%gain - filter%steady_gains)) <= rounding, "not the steady gain")
       end do
       model%q(2) = 0
       call steady_drift_gain(model, gain, failure)
@@ -90,7 +90,7 @@ contains
    subroutine test_dense()
       integer, parameter :: n = 50
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(n), x, mean(n), variance(n)
       logical :: here(n), slow(3)
       integer :: k, case
@@ -124,7 +124,7 @@ contains
       integer, parameter :: n = 3000
       type(component_model_type) :: model
       type(filter_options) :: options
-      type(filter_type) :: fresh, filter
+      type(drift_filter_type) :: fresh, filter
       real(dp) :: z(n), gaps(n), x(n), y(n), v(n), w(n)
       integer(int8) :: valid(n)
       integer :: first, k, last, processes, round
@@ -171,7 +171,7 @@ contains
       logical, intent(in) :: slow(:)
       type(filter_options), intent(in) :: options
       integer, parameter :: n = 4000
-      type(filter_type) :: filter, three
+      type(drift_filter_type) :: filter, three
       real(dp) :: z(n), x(n), y(n)
 
       call make_data(30, model, z)
@@ -249,7 +249,7 @@ contains
       integer, parameter :: n = 20000
       type(component_model_type) :: model
       type(filter_options) :: never
-      type(filter_type) :: filter, other
+      type(drift_filter_type) :: filter, other
       real(dp) :: z(n), x(n), y(n)
       integer :: processes
 
@@ -273,7 +273,7 @@ contains
    !> In a gap the drift is predicted, its variance grows as the model says, R stays
    subroutine test_gap()
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(2000), x(2000), before(2), p(2), r, expected
       integer :: k
 
@@ -281,9 +281,9 @@ contains
       call make_data(50, model, z)
       if (not_made(filter, model, [.true., .true.], adaptive())) return
       call run_filter(filter, z, x)
-      before = filter%drift_state%x(:2)
-      p = [filter%drift_state%p(1, 1), filter%drift_state%p(2, 2)]
-      expected = filter%drift_state%p(1, 2)
+      before = filter%state%x(:2)
+      p = [filter%state%p(1, 1), filter%state%p(2, 2)]
+      expected = filter%state%p(1, 2)
       r = filter%r
       do k = 1, 200
          call step_filter(filter, ieee_value(r, ieee_quiet_nan), x(k))
@@ -295,13 +295,13 @@ contains
       do k = 1, 100000                                           ! without subnormal numbers
          call step_filter(filter, ieee_value(r, ieee_quiet_nan), x(1))
       end do
-      call check(error, abs(x(1) - before(2)) <= 0 .and. abs(filter%drift_state%p(1, 2)) <= 0, "the AR(1) part is not gone")
+      call check(error, abs(x(1) - before(2)) <= 0 .and. abs(filter%state%p(1, 2)) <= 0, "the AR(1) part is not gone")
    end subroutine test_gap
 
    !> A walk begins with its first measurement, which has no innovation
    subroutine test_start()
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: x(4), v(4)
       integer :: processes
 
@@ -325,7 +325,7 @@ contains
    subroutine test_given_start()
       type(component_model_type) :: model
       type(filter_options) :: options
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: x
 
       model = some_model(1)
@@ -343,7 +343,7 @@ contains
    subroutine test_invariance()
       integer, parameter :: n = 3000
       type(component_model_type) :: model, scaled
-      type(filter_type) :: filter, other
+      type(drift_filter_type) :: filter, other
       real(dp) :: z(n), x(n), y(n)
       integer :: processes
 
@@ -369,7 +369,7 @@ contains
    subroutine test_extremes()
       integer, parameter :: n = 500
       type(component_model_type) :: model, scaled
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(n), x(n), y(n), scale
       integer :: i, processes
 
@@ -394,7 +394,7 @@ contains
    subroutine test_dc_gain()
       integer, parameter :: n = 20000
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: one(n), x(n), expected
       logical :: slow(3)
       integer :: case
@@ -413,7 +413,7 @@ contains
          call run_filter(filter, one, x)
          call freeze_filter(filter, .true.)
          call run_filter(filter, one, x)
-         expected = drift_dc_gain(model, slow(:model%count), filter%drift_steady(:model%count))
+         expected = drift_dc_gain(model, slow(:model%count), filter%steady_gains(:model%count))
          call check(error, x(n), expected, thr=1.0e-10_dp)
          if (case == 2 .or. case == 3) call check(error, expected, 1.0_dp, thr=rounding)
          if (case == 5) call check(error, expected, 0.0_dp, thr=rounding)
@@ -426,7 +426,7 @@ contains
       integer, parameter :: n = 10000
       type(component_model_type) :: model
       type(filter_result_type) :: result
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       real(dp) :: z(n), x(n), v(n)
       integer :: processes
 
@@ -490,7 +490,7 @@ contains
       type(component_model_type), intent(in) :: model
       type(filter_options), intent(in) :: options
       integer, intent(in) :: code
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
 
       call new_drift_filter(filter, model, slow, options, failure)
       if (unmet(allocated(failure), "bad input was accepted")) return

@@ -6,7 +6,7 @@ module test_filter_saving
    use gyroakf_error, only : status
    use gyroakf_filter_components, only : component_model_type
    use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_kalman, only : filter_options, filter_type, freeze_filter, new_filter, run_filter
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options, filter_type, freeze_filter, new_filter, run_filter
    use gyroakf_filter_design, only : design_drift_akf, drift_options
    use gyroakf_filter_drift_identification, only : drift_identification_type
    use gyroakf_filter_saving, only : reset_filter, restore_filter, save_filter
@@ -31,7 +31,9 @@ contains
    !> Fixed and adaptive AR(p) filters, drift filters of one to three processes.
    subroutine make_kind(kind, filter)
       integer, intent(in) :: kind
-      type(filter_type), intent(out) :: filter
+      class(filter_type), allocatable, intent(out) :: filter
+      type(filter_type) :: of_series
+      type(drift_filter_type) :: of_drift
       type(filter_options) :: options
       type(component_model_type) :: model
 
@@ -40,25 +42,27 @@ contains
       if (kind > 4) options%burn_in = -1
       if (kind > 5) options%burn_in = -huge(1) - 1
       select case (kind)
-      case (1); call new_filter(filter, [0.9_dp], 1.0_dp, 2.0_dp, options, failed)
+      case (1); call new_filter(of_series, [0.9_dp], 1.0_dp, 2.0_dp, options, failed)
       case (2)
          options%estimate_process_variance = .true.
          options%estimate_process_mean = .true.
-         call new_filter(filter, [0.9_dp], 1.0_dp, 2.0_dp, options, failed)
-      case (3); call new_filter(filter, [0.5_dp, 0.3_dp, -0.2_dp], 1.0_dp, 2.0_dp, options, failed)
-      case (4); call new_filter(filter, [real(dp) ::], 1.0_dp, 2.0_dp, options, failed)
+         call new_filter(of_series, [0.9_dp], 1.0_dp, 2.0_dp, options, failed)
+      case (3); call new_filter(of_series, [0.5_dp, 0.3_dp, -0.2_dp], 1.0_dp, 2.0_dp, options, failed)
+      case (4); call new_filter(of_series, [real(dp) ::], 1.0_dp, 2.0_dp, options, failed)
       case default
          model = component_model_type(kind - 4, [0.98_dp, 1.0_dp, 0.0_dp], [0.01_dp, 1.0e-3_dp, 0.0_dp], 1.0_dp)
          if (kind == 7) model%phi(2:) = [0.5_dp, 1.0_dp]
          if (kind == 7) model%q(2:) = [0.2_dp, 1.0e-3_dp]
-         call new_drift_filter(filter, model, spread(.true., 1, kind - 4), options, failed)
+         call new_drift_filter(of_drift, model, spread(.true., 1, kind - 4), options, failed)
       end select
       if (allocated(failed)) error stop failed%code
+      if (kind < 5) allocate (filter, source=of_series)
+      if (kind >= 5) allocate (filter, source=of_drift)
    end subroutine make_kind
 
    !> Saved after so many samples, before the first one too: the rest is the same to the last bit.
    subroutine test_continues()
-      type(filter_type) :: filter, other
+      class(filter_type), allocatable :: filter, other
       integer, parameter :: moments(5) = [0, 1, 17, 300, 2500]
       integer(int64), allocatable :: word(:), again(:)
       real(dp) :: z(3000), x(3000), y(3000)
@@ -88,7 +92,7 @@ contains
 
    !> As it was made.
    subroutine test_reset()
-      type(filter_type) :: filter
+      class(filter_type), allocatable :: filter
       real(dp) :: z(1000), x(1000), y(1000)
       integer(int64), allocatable :: word(:), again(:)
       integer :: kind
@@ -110,7 +114,8 @@ contains
 
    !> The burn-in that the length of a record has shortened is part of the making.
    subroutine test_short_record()
-      type(filter_type) :: filter, other
+      type(drift_filter_type) :: filter
+      class(filter_type), allocatable :: other
       type(drift_identification_type) :: drift
       integer(int64), allocatable :: word(:)
       real(dp) :: z(100), x(100), y(100)
@@ -137,7 +142,7 @@ contains
 
    !> Every bit of the words counts; words cut short or added too.
    subroutine test_damaged()
-      type(filter_type) :: filter, other
+      class(filter_type), allocatable :: filter, other
       integer(int64), allocatable :: word(:), bad(:)
       real(dp) :: z(100), x(100)
       integer :: k, bit
@@ -159,7 +164,7 @@ contains
       call restore_filter([word, 0_int64], other, failed)
       call check_refused(failed, status%parse)
       bad = word
-      bad(5:6) = word([6, 5])
+      bad(6:7) = word([7, 6])
       call restore_filter(bad, other, failed)
       call check_refused(failed, status%parse)
    end subroutine test_damaged

@@ -2,7 +2,8 @@
 !> Processor time of a filter step over a series, medians of 15 runs over a million samples; the lines are read by run.sh.
 program bench_filter
    use, intrinsic :: iso_fortran_env, only : int64
-   use gyroakf, only : dp, error_type, filter_options, filter_type, new_filter, run_filter, component_model_type, new_drift_filter
+   use gyroakf, only : component_model_type, dp, drift_filter_type, error_type, filter_options, filter_type, new_drift_filter, &
+      new_filter, run_filter
    use gyroakf_random, only : random_type, seed_random, fill_normal
    implicit none (type, external)
    integer, parameter :: samples = 1000000, runs = 15
@@ -57,7 +58,7 @@ contains
       logical, intent(in) :: adaptive
       type(filter_options) :: options
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       type(error_type), allocatable :: error
       real(dp), allocatable :: z(:)
       real(dp) :: level
@@ -97,16 +98,17 @@ contains
    !> One line: name, median and fastest nanoseconds a step, the figure to reach (0: none)
    subroutine measure(name, fresh, z, goal)
       character(*), intent(in) :: name
-      type(filter_type), intent(in) :: fresh
+      class(filter_type), intent(in) :: fresh
       real(dp), intent(in) :: z(:), goal
-      type(filter_type) :: filter
+      class(filter_type), allocatable :: filter
       real(dp), allocatable :: x(:)
       real(dp) :: time(runs), least, start, finish
       integer :: i, k
 
       allocate (x(size(z)))
       do i = 1, runs
-         filter = fresh
+         if (allocated(filter)) deallocate (filter)
+         allocate (filter, source=fresh)
          call cpu_time(start)
          call run_filter(filter, z, x)
          call cpu_time(finish)

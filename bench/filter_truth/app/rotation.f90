@@ -9,8 +9,8 @@
 program rotation
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only : output_unit
-   use gyroakf, only : design_akf, design_kf, design_options, dp, error_type, filter_options, filter_type, freeze_filter, &
-      & new_drift_filter, run_filter
+   use gyroakf, only : design_akf, design_kf, design_options, dp, drift_filter_type, error_type, filter_options, filter_type, &
+      & freeze_filter, new_drift_filter, run_filter
    use gyroakf_kinds, only : int8
    use gyroakf_stats_differences, only : difference_variance
    use filter_truth_cases, only : make_world, sample_interval, samples, world_type
@@ -65,7 +65,7 @@ contains
       integer, intent(in) :: seed, place
       type(world_type) :: world
       type(prepared_type) :: rest
-      type(filter_type) :: filter, now
+      class(filter_type), allocatable :: filter, now
       real(dp), allocatable :: z(:), signal(:), still(:), x(:)
       integer :: k, kind, m, t
 
@@ -144,7 +144,9 @@ contains
    subroutine make_filter(name, rest, filter)
       character(*), intent(in) :: name
       type(prepared_type), intent(in) :: rest
-      type(filter_type), intent(out) :: filter
+      class(filter_type), allocatable, intent(out) :: filter
+      type(filter_type) :: of_series
+      type(drift_filter_type) :: of_drift
       type(error_type), allocatable :: error
       type(design_options) :: design
       type(filter_options) :: options
@@ -152,19 +154,24 @@ contains
 
       differences = difference_variance(rest%cleaned, rest%here)
       select case (name)
-      case ("paper KF"); call design_kf(rest%ar, design, filter, error)
-      case ("paper AKF"); call design_akf(rest%ar, differences, design, filter, error)
-      case ("AKF q, r, Q, R exact", "AKF Q, R exact"); call make_exact(name, rest, differences, filter, error)
+      case ("paper KF"); call design_kf(rest%ar, design, of_series, error)
+      case ("paper AKF"); call design_akf(rest%ar, differences, design, of_series, error)
+      case ("AKF q, r, Q, R exact", "AKF Q, R exact"); call make_exact(name, rest, differences, of_series, error)
       case ("AKF R, robust")
          design%akf = "robust"
-         call design_akf(rest%ar, differences, design, filter, error)
+         call design_akf(rest%ar, differences, design, of_series, error)
       case default
          if (name == "drift_akf") options = drift_akf_options(rest)
          associate (model => rest%drift%model)
-            call new_drift_filter(filter, model, rest%drift%slow(:model%count), options, error)
+            call new_drift_filter(of_drift, model, rest%drift%slow(:model%count), options, error)
          end associate
       end select
       if (allocated(error)) error stop error%message
+      if (index(name, "drift") > 0) then
+         allocate (filter, source=of_drift)
+      else
+         allocate (filter, source=of_series)
+      end if
    end subroutine make_filter
 
    !> Sage-Husa in the exact form, within the usual bounds.

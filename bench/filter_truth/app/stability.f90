@@ -8,8 +8,8 @@
 program stability
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use, intrinsic :: iso_fortran_env, only : int64, output_unit
-   use gyroakf, only : ar_model_type, ar_options, component_model_type, dp, error_type, filter_options, filter_type, fit_ar, &
-      & new_drift_filter, new_filter, run_filter
+   use gyroakf, only : ar_model_type, ar_options, component_model_type, dp, drift_filter_type, error_type, filter_options, &
+      & filter_type, fit_ar, new_drift_filter, new_filter, run_filter
    use gyroakf_stats_differences, only : difference_variance
    use filter_truth_cases, only : make_world, world_type
    use filter_truth_figures, only : table_head, table_row
@@ -234,7 +234,9 @@ contains
       type(count_type), intent(inout) :: counts
       character(*), intent(in), optional :: drift
       type(filter_options) :: here
-      type(filter_type) :: filter
+      type(filter_type) :: of_series
+      type(drift_filter_type) :: of_drift
+      class(filter_type), allocatable :: filter
       type(error_type), allocatable :: error
       real(dp), allocatable, save :: x(:), e(:)
       real(dp) :: mean
@@ -246,10 +248,12 @@ contains
       here%initial_variance = factor(3)*known%p
       counts%runs = counts%runs + 1
       if (present(drift)) then
-         call new_drift_filter(filter, drift_model(known, factor, drift), spread(.true., 1, merge(1, 2, drift == "one")), here, &
+         call new_drift_filter(of_drift, drift_model(known, factor, drift), spread(.true., 1, merge(1, 2, drift == "one")), here, &
                                error)
+         allocate (filter, source=of_drift)
       else
-         call new_filter(filter, known%phi, factor(1)*known%q, factor(2)*known%r, here, error)
+         call new_filter(of_series, known%phi, factor(1)*known%q, factor(2)*known%r, here, error)
+         allocate (filter, source=of_series)
       end if
       if (allocated(error)) error stop error%message
       third = samples - samples/3

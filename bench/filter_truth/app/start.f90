@@ -4,7 +4,8 @@
 !>     ./run.sh start [SEEDS]
 program start
    use, intrinsic :: iso_fortran_env, only : output_unit
-   use gyroakf, only : component_model_type, dp, error_type, filter_options, filter_type, new_drift_filter, new_filter, run_filter
+   use gyroakf, only : component_model_type, dp, drift_filter_type, error_type, filter_options, filter_type, &
+      & new_drift_filter, new_filter, run_filter
    use gyroakf_stats_differences, only : difference_variance
    use filter_truth_cases, only : make_world, samples, world_type
    use filter_truth_figures, only : median, quantile, root_mean_square, table_head, table_row
@@ -72,7 +73,8 @@ contains
       real(dp), intent(out), contiguous :: x(:)
       type(filter_options) :: options
       type(component_model_type) :: model
-      type(filter_type) :: filter
+      type(filter_type) :: of_series
+      type(drift_filter_type) :: of_drift
       type(error_type), allocatable :: error
       real(dp), allocatable :: z(:)
 
@@ -88,12 +90,13 @@ contains
       model%q(1) = world%q(1)
       model%r = factor*world%r(1)
       if (drift) then
-         call new_drift_filter(filter, model, [.true.], options, error)
+         call new_drift_filter(of_drift, model, [.true.], options, error)
       else
-         call new_filter(filter, model%phi(:1), model%q(1), model%r, options, error)
+         call new_filter(of_series, model%phi(:1), model%q(1), model%r, options, error)
       end if
       if (allocated(error)) error stop error%message
-      call run_filter(filter, z, x)
+      if (drift) call run_filter(of_drift, z, x)
+      if (.not. drift) call run_filter(of_series, z, x)
       x = x + world%trend
    end subroutine run
 end program start

@@ -102,7 +102,7 @@ contains
             k = best_length(place, side)
             cells(place) = decimal(1.0e3_dp*median(average(:, place, k, side)), 2)
          end do
-         call table_row(trim(merge("best causal moving average ", "best centered moving average", side == 1)), cells)
+         call table_row(trim(merge("best causal moving average  ", "best centered moving average", side == 1)), cells)
          do place = 1, cases
             cells(place) = decimal(1.0e3_dp*median(oracle(:, place, side)), 2)
          end do
@@ -143,7 +143,7 @@ contains
          do place = 1, cases
             write (cells(place), "(i0)") length(best_length(place, side))
          end do
-         call table_row(trim(merge("length of the causal average ", "length of the centered average", side == 1)), cells)
+         call table_row(trim(merge("length of the causal average  ", "length of the centered average", side == 1)), cells)
          do k = 1, methods
             if ((is_causal(k) .neqv. side == 1) .or. k == trend) cycle
             do place = 1, cases

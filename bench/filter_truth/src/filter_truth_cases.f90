@@ -225,7 +225,7 @@ contains
       select case (name)
       case ("C0a", "C0b")
          before = world%z
-         call add_outliers(world%z, paper%outliers, paper%outlier_size, random, error)
+         call add_outliers(world%z, paper%outliers, paper%outlier_size, 0.25_dp, random, error)
          if (allocated(error)) error stop error%message
          world%outlier = abs(world%z - before) > 0.0_dp
       case ("C6")

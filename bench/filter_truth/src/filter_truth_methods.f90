@@ -4,8 +4,8 @@ module filter_truth_methods
    use, intrinsic :: iso_fortran_env, only : error_unit
    use gyroakf, only : ar_model_type, ar_options, clean_options, clean_series, clean_type, component_model_type, design_akf, &
       & design_kf, design_options, dp, error_type, evaluate_trend, filter_options, filter_result_type, filter_series, &
-      & filter_type, fit_ar, identify_drift_model, int64, drift_identification_options, drift_identification_type, &
-      & new_drift_filter, smooth_adaptive, smooth_drift
+      & drift_filter_type, filter_type, fit_ar, identify_drift_model, int64, drift_identification_options, &
+      & drift_identification_type, new_drift_filter, smooth_adaptive, smooth_drift
    use filter_truth_innovation_window, only : filter_innovation_window, innovation_window_options
    use filter_truth_variational_bayes, only : filter_variational_bayes, variational_options
    use gyroakf_kinds, only : int8
@@ -127,7 +127,7 @@ contains
       real(dp), intent(out), contiguous :: x(:)
       type(judged_type), intent(inout) :: judged
       type(error_type), allocatable, intent(out) :: error
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       type(filter_options) :: options
 
       associate (model => record%drift%model, slow => record%drift%slow(:record%drift%model%count))
@@ -165,7 +165,7 @@ contains
 
    !> The filter over the series, and what its innovations say.
    subroutine run_filter_on(filter, z, here, x, judged, error)
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
       real(dp), intent(in), contiguous :: z(:)
       integer(int8), intent(in), contiguous :: here(:)
       real(dp), intent(out), contiguous :: x(:)

@@ -2,6 +2,7 @@
 !> Simulates stamps of samples some of which are lost, and compares what the audit finds with what was lost.
 program stamps_audit
    use gyroakf_kinds, only : dp, int64
+   use gyroakf_error, only : error_type
    use gyroakf_io_audit, only : audit_stamps, gap_type
    use gyroakf_record, only : audit_type
    implicit none (type, external)
@@ -62,6 +63,7 @@ contains
       real(dp) :: t(n), u, tick_s, when, bound, off, true_rate, spread
       type(audit_type) :: audit
       type(gap_type) :: gaps
+      type(error_type), allocatable :: error
       integer(int64) :: from, to, grid, lost_at(n), lost(n), inserted
       integer :: i, count_lost, k, j, wrong, hit, length
 
@@ -97,8 +99,9 @@ contains
          if (i > 1) t(i) = max(t(i), t(i - 1))
       end do
       call system_clock(from)
-      call audit_stamps(t, audit, gaps)
+      call audit_stamps(t, audit, gaps, error)
       call system_clock(to)
+      if (allocated(error)) error stop error%message
       ticks = ticks + (to - from)
       wrong = 0
       hit = 0

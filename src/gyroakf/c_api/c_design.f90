@@ -5,12 +5,11 @@ module gyroakf_c_api_c_design
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : check_memory, check_sample_interval, fatal_error, status
-   use gyroakf_filter_kalman, only : filter_type
    use gyroakf_pipeline, only : minimum_samples
    use gyroakf_pipeline_channel, only : run_channel
    use gyroakf_pipeline_channel_job, only : job_type
    use gyroakf_pipeline_result, only : pipeline_options, pipeline_result_type, new_channels
-   use gyroakf_c_api_c_filter, only : new_handle, hand_over
+   use gyroakf_c_api_c_filter, only : handle_type, new_handle, hand_over
    use gyroakf_c_api_c_run, only : run_options_c, read_options
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_place, take_text, open_series
@@ -33,7 +32,7 @@ contains
       type(error_c), intent(out), optional :: err
       type(call_type), target :: c
       type(pipeline_options) :: options
-      type(filter_type), pointer :: handle
+      type(handle_type), pointer :: handle
       real(dp) :: level
 
       call enter_library(c)
@@ -58,7 +57,7 @@ contains
       type(call_type), intent(inout), target :: c
       real(dp), intent(in) :: dt
       type(pipeline_options), intent(in) :: options
-      type(filter_type), intent(inout) :: handle
+      type(handle_type), intent(inout) :: handle
       real(dp), intent(out) :: mean
       type(job_type) :: job
       type(pipeline_result_type) :: result
@@ -86,7 +85,7 @@ contains
          call run_channel(job, channel, c%error)
          if (allocated(c%error)) return
          if (allocated(channel%designed)) then
-            handle = channel%designed
+            call move_alloc(channel%designed, handle%filter)
             mean = channel%designed_mean
          else if (allocated(channel%unavailable)) then
             call fatal_error(c%error, channel%unavailable(1)%code, channel%unavailable(1)%text)

@@ -3,15 +3,16 @@
 module gyroakf_c_api_c_drift
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
       & c_size_t, c_funptr, c_null_funptr, c_null_ptr, c_associated, c_f_pointer, c_sizeof
-   use gyroakf_error, only : error_type, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_filter_components, only : component_model_type, most_components, check_components
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_drift_identification, only : drift_identification_options, &
       & drift_identification_type, identify_drift_model
    use gyroakf_filter_smoother, only : smooth_drift
    use gyroakf_filter_two_pass, only : smooth_adaptive
-   use gyroakf_filter_filter_types, only : filter_options, filter_type
-   use gyroakf_c_api_c_filter, only : filter_options_c, new_handle, hand_over, read_options
+   use gyroakf_filter_filter_types, only : drift_filter_type, filter_options
+   use gyroakf_c_api_c_filter, only : filter_options_c, handle_type, new_handle, hand_over, &
+      & read_options
    use gyroakf_c_api_c_host, only : check_aligned, check_apart, progress_c
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & check_struct_size, check_place, check_finite, open_options, open_series
@@ -84,15 +85,23 @@ contains
       type(call_type) :: c
       type(component_model_type) :: components
       type(filter_options) :: options
-      type(filter_type), pointer :: handle
+      type(handle_type), pointer :: handle
       logical :: slow(most_components)
+      integer :: stat
 
       call enter_library(c)
       call new_handle(handle, c%error, out)
       call read_options(options, c%error, opt)
       call read_model(components, slow, c%error, model)
-      if (ok(c)) call new_drift_filter(handle, components, &
-         & slow(:components%count), options, c%error)
+      stat = 0
+      if (ok(c)) allocate (drift_filter_type :: handle%filter, stat=stat)
+      call check_memory(stat, "a filter", c%error)
+      if (ok(c)) then
+         select type (filter => handle%filter)
+         type is (drift_filter_type)
+            call new_drift_filter(filter, components, slow(:components%count), options, c%error)
+         end select
+      end if
       call hand_over(handle, c%error, out)
       gyroakf_drift_filter_new = leave_library(c, err)
    end function gyroakf_drift_filter_new

@@ -17,7 +17,7 @@ module gyroakf_c_api_c_filter
    public :: gyroakf_filter_options_init, gyroakf_filter_new, gyroakf_filter_step, &
       & gyroakf_filter_freeze, gyroakf_filter_run, gyroakf_filter_run_watched, gyroakf_filter_get, &
       & gyroakf_filter_free
-   public :: filter_options_c, new_handle, hand_over, read_options
+   public :: filter_options_c, handle_type, new_handle, hand_over, read_options
 
    !> Largest state
    integer, parameter :: largest_order = 1000
@@ -28,6 +28,11 @@ module gyroakf_c_api_c_filter
    !> Samples between two reports of progress for a state of one coefficient; a step of p
    !> coefficients takes p^2 times as long
    integer(int64), parameter :: report_samples = 256*block
+
+   !> What a `gyroakf_filter *` points to
+   type :: handle_type
+      class(filter_type), allocatable :: filter
+   end type handle_type
 
    !> `gyroakf_filter_options`
    type, bind(C) :: filter_options_c
@@ -70,13 +75,17 @@ contains
       type(call_type) :: c
       real(dp), allocatable :: coefficients(:)
       type(filter_options) :: options
-      type(filter_type), pointer :: handle
+      type(handle_type), pointer :: handle
+      integer :: stat
 
       call enter_library(c)
       call new_handle(handle, c%error, out)
       call read_options(options, c%error, opt)
       call read_coefficients(p, phi, coefficients, c%error)
-      if (ok(c)) call new_filter(handle, coefficients, q, r, options, c%error)
+      stat = 0
+      if (ok(c)) allocate (filter_type :: handle%filter, stat=stat)
+      call check_memory(stat, "a filter", c%error)
+      if (ok(c)) call new_filter(handle%filter, coefficients, q, r, options, c%error)
       call hand_over(handle, c%error, out)
       gyroakf_filter_new = leave_library(c, err)
    end function gyroakf_filter_new
@@ -86,15 +95,15 @@ contains
       real(c_double), intent(in), value :: z
       real(c_double), intent(inout), optional :: x
       integer(c_int64_t) :: environment(64)
-      type(filter_type), pointer :: filter
+      type(handle_type), pointer :: handle
       integer(c_int) :: changed
       real(dp) :: estimate
 
       gyroakf_filter_step = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(x)) return
-      call c_f_pointer(f, filter)
+      call c_f_pointer(f, handle)
       changed = begin_step(environment)
-      call step_filter(filter, z, estimate)
+      call step_filter(handle%filter, z, estimate)
       gyroakf_filter_step = status%non_finite
       if (ieee_is_finite(estimate)) then
          gyroakf_filter_step = status%ok
@@ -106,12 +115,12 @@ contains
    integer(c_int) function gyroakf_filter_freeze(f, frozen) bind(C)
       type(c_ptr), intent(in), value :: f
       integer(c_int32_t), intent(in), value :: frozen
-      type(filter_type), pointer :: filter
+      type(handle_type), pointer :: handle
 
       gyroakf_filter_freeze = status%invalid_argument
       if (.not. c_associated(f)) return
-      call c_f_pointer(f, filter)
-      call freeze_filter(filter, frozen /= 0)
+      call c_f_pointer(f, handle)
+      call freeze_filter(handle%filter, frozen /= 0)
       gyroakf_filter_freeze = status%ok
    end function gyroakf_filter_freeze
 
@@ -131,7 +140,7 @@ contains
       type(c_ptr), intent(in), value :: progress_user
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(filter_type), pointer :: filter
+      type(handle_type), pointer :: handle
 
       call enter_library(c, progress, progress_user)
       if (.not. (c_associated(f) .and. c_associated(z) .and. c_associated(x)) .or. n < 1 .or. &
@@ -141,8 +150,8 @@ contains
       call check_aligned(x, c%error)
       if (.not. c_associated(x, z)) call check_apart([z, x], [8*n, 8*n], c%error)
       if (ok(c)) then
-         call c_f_pointer(f, filter)
-         call run_blocks(filter, z, n, x, c)
+         call c_f_pointer(f, handle)
+         call run_blocks(handle%filter, z, n, x, c)
       end if
       gyroakf_filter_run_watched = leave_library(c, err)
    end function gyroakf_filter_run_watched
@@ -150,17 +159,19 @@ contains
    integer(c_int) function gyroakf_filter_get(f, out) bind(C)
       type(c_ptr), intent(in), value :: f
       type(filter_state_c), intent(inout), optional :: out
-      type(filter_type), pointer :: filter
+      type(handle_type), pointer :: handle
       type(filter_state_c) :: held
       type(call_type) :: c
 
       gyroakf_filter_get = status%invalid_argument
       if (.not. c_associated(f) .or. .not. present(out)) return
-      call c_f_pointer(f, filter)
+      call c_f_pointer(f, handle)
       call enter_library(c)
-      held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, &
-         & filter%innovation_variance, filter%q_mean, filter%r_mean, filter%q, filter%r, &
-         & filter%steps)
+      associate (filter => handle%filter)
+         held = filter_state_c(filter%x(1), filter%p(1, 1), filter%gain(1), filter%innovation, &
+            & filter%innovation_variance, filter%q_mean, filter%r_mean, filter%q, filter%r, &
+            & filter%steps)
+      end associate
       call check_finite([held%x, held%p, held%gain, held%innovation, held%innovation_variance, &
          & held%q_mean, held%r_mean, held%q, held%r], c%error)
       if (ok(c)) out = held
@@ -169,16 +180,16 @@ contains
 
    subroutine gyroakf_filter_free(f) bind(C)
       type(c_ptr), intent(in), value :: f
-      type(filter_type), pointer :: filter
+      type(handle_type), pointer :: handle
 
       if (.not. c_associated(f)) return
-      call c_f_pointer(f, filter)
-      deallocate (filter)
+      call c_f_pointer(f, handle)
+      deallocate (handle)
    end subroutine gyroakf_filter_free
 
    !> An empty handle; `out` must be there.
    subroutine new_handle(handle, error, out)
-      type(filter_type), pointer, intent(out) :: handle
+      type(handle_type), pointer, intent(out) :: handle
       type(error_type), allocatable, intent(out) :: error
       type(c_ptr), intent(in), optional :: out
       integer :: stat
@@ -192,7 +203,7 @@ contains
 
    !> The handle to the caller; nothing after an error.
    subroutine hand_over(handle, error, out)
-      type(filter_type), pointer, intent(inout) :: handle
+      type(handle_type), pointer, intent(inout) :: handle
       type(error_type), allocatable, intent(in) :: error
       type(c_ptr), intent(inout), optional :: out
 
@@ -244,7 +255,7 @@ contains
 
    !> The whole series, block by block: a block is read before its results are written.
    subroutine run_blocks(filter, z, n, x, c)
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
       type(c_ptr), intent(in) :: z, x
       integer(int64), intent(in) :: n
       type(call_type), intent(inout) :: c

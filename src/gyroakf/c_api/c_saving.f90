@@ -8,8 +8,7 @@ module gyroakf_c_api_c_saving
    use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_io_place, only : integer_text
    use gyroakf_filter_saving, only : save_filter, restore_filter, reset_filter
-   use gyroakf_filter_filter_types, only : filter_type
-   use gyroakf_c_api_c_filter, only : new_handle, hand_over
+   use gyroakf_c_api_c_filter, only : handle_type, new_handle, hand_over
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
       & max_samples
    implicit none (type, external)
@@ -25,12 +24,12 @@ contains
       type(c_ptr), intent(in), value :: f
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(filter_type), pointer :: filter
+      type(handle_type), pointer :: handle
 
       call enter_library(c)
       if (c_associated(f)) then
-         call c_f_pointer(f, filter)
-         call reset_filter(filter, c%error)
+         call c_f_pointer(f, handle)
+         call reset_filter(handle%filter, c%error)
       else
          call fatal_error(c%error, status%invalid_argument, "the filter must not be NULL")
       end if
@@ -43,7 +42,7 @@ contains
       integer(c_int64_t), intent(inout), optional :: size_out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(filter_type), pointer :: filter
+      type(handle_type), pointer :: handle
       integer(int64), allocatable :: word(:)
 
       call enter_library(c)
@@ -51,8 +50,8 @@ contains
          call fatal_error(c%error, status%invalid_argument, &
             & "the filter and the pointer to the size must not be NULL")
       else
-         call c_f_pointer(f, filter)
-         call save_filter(filter, word, c%error)
+         call c_f_pointer(f, handle)
+         call save_filter(handle%filter, word, c%error)
          if (ok(c)) then
             size_out = word_bytes*size(word, kind=int64)
             if (c_associated(bytes)) call write_bytes(word, bytes, capacity, c%error)
@@ -67,13 +66,13 @@ contains
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(filter_type), pointer :: handle
+      type(handle_type), pointer :: handle
       integer(int64), allocatable :: word(:)
 
       call enter_library(c)
       call new_handle(handle, c%error, out)
       if (ok(c)) call read_bytes(bytes, length, word, c%error)
-      if (ok(c)) call restore_filter(word, handle, c%error)
+      if (ok(c)) call restore_filter(word, handle%filter, c%error)
       call hand_over(handle, c%error, out)
       gyroakf_filter_restore = leave_library(c, err)
    end function gyroakf_filter_restore

@@ -13,7 +13,7 @@ module gyroakf_filter_design
    use gyroakf_filter_creation, only : shorten_burn_in
    use gyroakf_filter_drift_filter, only : new_drift_filter
    use gyroakf_filter_drift_identification, only : drift_identification_type
-   use gyroakf_filter_kalman, only : filter_options, filter_type, new_filter
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options, filter_type, new_filter
    implicit none (type, external)
    private
    public :: design_options, design_kf, design_akf
@@ -139,7 +139,7 @@ contains
       !> As identify_drift_model found it
       type(drift_identification_type), intent(in) :: drift
       !> The filter; its output is the sum of the slow processes
-      type(filter_type), intent(out) :: filter
+      type(drift_filter_type), intent(out) :: filter
       !> `invalid_argument`: no drift was found; those of new_drift_filter
       type(error_type), allocatable, intent(out) :: error
       type(filter_options) :: plain
@@ -161,7 +161,7 @@ contains
       !> Forgetting factor and gate
       type(drift_options), intent(in) :: options
       !> The filter; its output is the sum of the slow processes
-      type(filter_type), intent(out) :: filter
+      type(drift_filter_type), intent(out) :: filter
       !> `invalid_argument`: no drift was found; those of new_drift_filter
       type(error_type), allocatable, intent(out) :: error
 
@@ -169,7 +169,7 @@ contains
       if (allocated(error)) return
       call new_drift_filter(filter, drift%model, drift%slow(:drift%model%count), &
                             adaptive_drift(options, 0.5_dp*difference_variance), error)
-      if (.not. allocated(error)) call shorten_burn_in(filter, drift%of_samples)
+      if (.not. allocated(error)) call shorten_burn_in(filter%filter_type, drift%of_samples)
    end subroutine design_drift_akf
 
    !> What an adaptive drift filter does; the smoother from both sides (`smooth_adaptive`) takes the

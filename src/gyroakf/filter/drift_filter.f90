@@ -22,7 +22,7 @@ module gyroakf_filter_drift_filter
       longest_burn_in, burn_in_tolerance
    use gyroakf_filter_drift_steady, only : steady_drift_gain
    use gyroakf_filter_drift_step, only : show_drift
-   use gyroakf_filter_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_filter_types, only : drift_filter_type, filter_options
    implicit none (type, external)
    private
    public :: new_drift_filter
@@ -36,7 +36,7 @@ contains
    !> at 0 with that variance.
    subroutine new_drift_filter(filter, model, slow, options, error)
       !> The filter; `step_filter`, `run_filter`, `freeze_filter` and `filter_series` work on it
-      type(filter_type), intent(out) :: filter
+      type(drift_filter_type), intent(out) :: filter
       !> Processes and white noise; r > 0 where it is adapted
       type(component_model_type), intent(in) :: model
       !> Which processes are the drift, [count], one at least
@@ -57,12 +57,12 @@ contains
          filter%steady_gain(1), filter%work(1))
       filter%order = 1
       ! what is beyond the count is anything
-      filter%drift_model%count = model%count
-      filter%drift_model%phi(:model%count) = model%phi(:model%count)
-      filter%drift_model%q(:model%count) = model%q(:model%count)
-      filter%drift_model%r = model%r
+      filter%model%count = model%count
+      filter%model%phi(:model%count) = model%phi(:model%count)
+      filter%model%q(:model%count) = model%q(:model%count)
+      filter%model%r = model%r
       filter%slow(:model%count) = slow
-      filter%drift_shifted = maxloc(model%phi(:model%count), 1)
+      filter%shifted = maxloc(model%phi(:model%count), 1)
       filter%phi(1) = maxval(model%phi(:model%count), mask=slow)
       filter%q = sum(model%q(:model%count), mask=slow)
       filter%r = model%r
@@ -72,16 +72,16 @@ contains
          + sum(model%q(:model%count)/(1.0_dp + model%phi(:model%count)))
       filter%gain_sum = 0.0_dp
       filter%work = 0.0_dp
-      call set_adaptation(filter)
-      call start_components(model, filter%drift_state)
+      call set_adaptation(filter%filter_type)
+      call start_components(model, filter%state)
       if (options%initial_variance > 0.0_dp) then
          do i = 1, model%count
-            filter%drift_state%p(i, i) = options%initial_variance
+            filter%state%p(i, i) = options%initial_variance
          end do
-         filter%drift_state%started = .true.
+         filter%state%started = .true.
       end if
       call show_drift(filter)
-      if (.not. (all(ieee_is_finite(filter%drift_state%p)) &
+      if (.not. (all(ieee_is_finite(filter%state%p)) &
          .and. ieee_is_finite(filter%p(1, 1)))) then
          call fatal_error(error, status%non_finite, &
             "the variances of a drift filter overflow: those of the model, and the "// &
@@ -118,24 +118,24 @@ contains
    !> Steady gain, and the burn-in where it is automatic: with the R that the bounds' scale
    !> suggests, for a wrong R at the start must not prolong the time that it is kept.
    subroutine find_steady(filter, error)
-      type(filter_type), intent(inout) :: filter
+      type(drift_filter_type), intent(inout) :: filter
       type(error_type), allocatable, intent(out) :: error
       type(component_model_type) :: model
       type(component_state_type) :: state
       real(dp) :: gain(most_components)
       integer :: k, n
 
-      n = filter%drift_model%count
-      model = filter%drift_model
+      n = filter%model%count
+      model = filter%model
       model%r = filter%r
-      call steady_drift_gain(model, filter%drift_steady, error)
+      call steady_drift_gain(model, filter%steady_gains, error)
       if (allocated(error)) return
-      filter%steady_gain(1) = sum(filter%drift_steady(:n), mask=filter%slow(:n))
+      filter%steady_gain(1) = sum(filter%steady_gains(:n), mask=filter%slow(:n))
       if (filter%options%burn_in >= 0) return
       model%r = filter%options%r_scale
       call steady_drift_gain(model, gain, error)
       if (allocated(error)) return
-      state = filter%drift_state
+      state = filter%state
       do k = 1, longest_burn_in
          if (state%started) call predict_components(model, state)
          call correct_components(n, model%r, 0.0_dp, state)

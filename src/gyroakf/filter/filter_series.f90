@@ -12,7 +12,7 @@ module gyroakf_filter_filter_series
    use gyroakf_stats_lagged_products, only : add_pair_sums, covariances_of_pairs
    use gyroakf_stats_moments, only : compute_moments, join_moments, moments_type
    use gyroakf_stats_whiteness, only : ljung_box_of
-   use gyroakf_filter_kalman, only : filter_type, run_filter
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_type, run_filter
    use gyroakf_filter_drift_steady, only : drift_dc_gain
    use gyroakf_filter_state_space, only : dc_gain
    use gyroakf_filter_components, only : is_sample
@@ -37,7 +37,7 @@ contains
    !> Runs the filter over a series and measures what it did.
    subroutine filter_series(filter, z, x, result, error, valid, progress)
       !> The filter, made by new_filter or a design procedure; its state goes on
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
       !> Series, [n], at least 30 present samples; NaN counts as missing
       real(dp), intent(in), contiguous :: z(:)
       !> Output, [n]: the estimate of the state; the prediction where a sample is missing; not the
@@ -77,9 +77,7 @@ contains
       last = 0
       do while (last < n)
          if (last == 0 .or. last == third) then               ! a new mean of the gain
-            filter%drift_gain_sum = 0.0_dp
-            filter%gain_sum = 0.0_dp
-            filter%gain_measurements = 0
+            call start_gain_sums(filter)
          end if
          if (last >= next_report) then
             next_report = last + report_samples
@@ -91,7 +89,7 @@ contains
          m = int(last - first + 1)
          here(:m) = merge(1_int8, 0_int8, is_sample(z(first:last)))
          if (present(valid)) here(:m) = merge(here(:m), 0_int8, valid(first:last) /= 0_int8)
-         begins = .not. filter%drift_state%started
+         begins = is_unknown(filter)
          call run_filter(filter, z(first:last), x(first:last), here(:m), nu(1:m))
          call compute_moments(x(first:last), block, here(:m))
          call join_moments(output, block)
@@ -111,9 +109,32 @@ contains
       call conclude(filter, sums, result, error)
    end subroutine filter_series
 
+   !> A new mean of the gains.
+   pure subroutine start_gain_sums(filter)
+      class(filter_type), intent(inout) :: filter
+
+      filter%gain_sum = 0.0_dp
+      filter%gain_measurements = 0
+      select type (filter)
+      type is (drift_filter_type)
+         filter%gain_sums = 0.0_dp
+      end select
+   end subroutine start_gain_sums
+
+   !> Whether the state is a random walk that has not met its first measurement.
+   pure logical function is_unknown(filter)
+      class(filter_type), intent(in) :: filter
+
+      is_unknown = .false.
+      select type (filter)
+      type is (drift_filter_type)
+         is_unknown = .not. filter%state%started
+      end select
+   end function is_unknown
+
    !> Refuses arrays that do not fit, a filter that was not made, and a series that is too short.
    subroutine check_series(filter, z, output, error, valid)
-      type(filter_type), intent(in) :: filter
+      class(filter_type), intent(in) :: filter
       real(dp), intent(in), contiguous :: z(:)
       integer(int64), intent(in) :: output
       type(error_type), allocatable, intent(out) :: error
@@ -144,7 +165,7 @@ contains
 
    !> Everything that is known at the end.
    subroutine conclude(filter, sums, result, error)
-      type(filter_type), intent(in) :: filter
+      class(filter_type), intent(in) :: filter
       !> Sums over pairs of its normalized innovations
       real(dp), intent(in) :: sums(0:longest_lag, 4)
       type(filter_result_type), intent(inout) :: result
@@ -182,17 +203,22 @@ contains
 
    !> DC gain in the end: an adapted mean takes up a part of a constant rate, or all of it.
    pure real(dp) function lasting_gain(filter, gain)
-      type(filter_type), intent(in) :: filter
+      class(filter_type), intent(in) :: filter
       real(dp), intent(in) :: gain(:)
 
+      select type (filter)
+      type is (drift_filter_type)
+         if (filter%model%count == 1) then
+            lasting_gain = drift_dc_gain(filter%model, filter%slow, gain)
+         else
+            lasting_gain = drift_dc_gain(filter%model, filter%slow, &
+               filter%gain_sums/real(max(1_int64, filter%gain_measurements), dp))
+         end if
+         return
+      end select
       associate (by_q => filter%options%estimate_process_mean, &
          by_r => filter%options%estimate_measurement_mean)
-         if (filter%drift_model%count == 1) then
-            lasting_gain = drift_dc_gain(filter%drift_model, filter%slow, gain)
-         else if (filter%drift_model%count > 1) then
-            lasting_gain = drift_dc_gain(filter%drift_model, filter%slow, &
-               filter%drift_gain_sum/real(max(1_int64, filter%gain_measurements), dp))
-         else if (by_q .and. by_r) then                 ! q = K r: one innovation drives both
+         if (by_q .and. by_r) then                      ! q = K r: one innovation drives both
             lasting_gain = gain(1)/(gain(1) + 1.0_dp - sum(filter%phi))
          else if (by_r) then
             lasting_gain = 0.0_dp

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> The filter as an object: its model, its state and how it adapts. Made by `new_filter`
+!> Filters as objects: their model, their state and how they adapt. Made by `new_filter`
 !> (gyroakf_filter_kalman, which re-exports the types) or `new_drift_filter`; the components are for
 !> reading.
 module gyroakf_filter_filter_types
@@ -7,7 +7,7 @@ module gyroakf_filter_filter_types
    use gyroakf_filter_components, only : component_model_type, component_state_type, most_components
    implicit none (type, external)
    private
-   public :: filter_options, filter_type
+   public :: filter_options, filter_type, drift_filter_type
 
    !> What a filter adapts and within which limits. Fortran does not tell q from Q: "mean" is q or
    !> r, "variance" is Q or R.
@@ -44,25 +44,10 @@ module gyroakf_filter_filter_types
       logical :: allow_unobservable = .false.
    end type filter_options
 
-   !> A filter for the AR(p) state or for a drift, fixed or adaptive
-   !>
-   !> A drift is the sum of some processes of the first order (`slow`): `order` is 1, x(1) the
-   !> drift, p(1,1) its variance (huge before the first measurement of a random walk), gain(1) its
-   !> gain, phi(1) the coefficient of its slowest process, q the sum of its driving variances. What
-   !> is known of each process is in `drift_state`.
+   !> A filter for an AR(p) state, fixed or adaptive
    type :: filter_type
       !> Size of the state
       integer :: order = 0
-      !> Processes of a drift filter and white noise; count = 0: the AR(p) filter
-      type(component_model_type) :: drift_model
-      !> Which of them are the drift
-      logical :: slow(most_components) = .false.
-      !> What is known of them
-      type(component_state_type) :: drift_state
-      !> Sum of their gains, as `gain_sum`; the gains that they settle to
-      real(dp) :: drift_gain_sum(most_components) = 0, drift_steady(most_components) = 0
-      !> The process that a shift of the level is laid upon: the random walk, or the slowest
-      integer :: drift_shifted = 0
       type(filter_options) :: options
       !> Coefficients, [order]
       real(dp), allocatable :: phi(:)
@@ -115,4 +100,22 @@ module gyroakf_filter_filter_types
       !> Work space, [order]
       real(dp), allocatable :: work(:)
    end type filter_type
+
+   !> A filter for a drift, the sum of some processes of the first order (`slow`)
+   !>
+   !> Of what it shares with the other filter, `order` is 1, x(1) the drift, p(1,1) its variance
+   !> (huge before the first measurement of a random walk), gain(1) its gain, phi(1) the coefficient
+   !> of its slowest process, q the sum of its driving variances.
+   type, extends(filter_type) :: drift_filter_type
+      !> Processes and white noise
+      type(component_model_type) :: model
+      !> Which processes are the drift
+      logical :: slow(most_components) = .false.
+      !> Estimates of the processes
+      type(component_state_type) :: state
+      !> Sums of their gains, as `gain_sum`; the gains that they settle to
+      real(dp) :: gain_sums(most_components) = 0, steady_gains(most_components) = 0
+      !> The process that a shift of the level is laid upon: the random walk, or the slowest
+      integer :: shifted = 0
+   end type drift_filter_type
 end module gyroakf_filter_filter_types

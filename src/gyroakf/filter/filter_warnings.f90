@@ -7,7 +7,7 @@ module gyroakf_filter_filter_warnings
    use gyroakf_kinds, only : dp, int64
    use gyroakf_record, only : text_type, add_text
    use gyroakf_stats_whiteness, only : ljung_box_type
-   use gyroakf_filter_filter_types, only : filter_type
+   use gyroakf_filter_filter_types, only : drift_filter_type, filter_type
    implicit none (type, external)
    private
    public :: colored, filter_result_type, list_warnings, significant
@@ -61,7 +61,7 @@ contains
    !> The warnings that apply, the gravest first.
    pure subroutine list_warnings(filter, measurements, result)
       !> The filter after the series
-      type(filter_type), intent(in) :: filter
+      class(filter_type), intent(in) :: filter
       !> Measurements that have an innovation
       integer(int64), intent(in) :: measurements
       !> Its diagnostics; gets the warnings
@@ -71,7 +71,11 @@ contains
 
       allocate (result%warnings(0))
       ! its variances are not meant to be those of the series
-      paper = filter%drift_model%count == 0
+      paper = .true.
+      select type (filter)
+      type is (drift_filter_type)
+         paper = .false.
+      end select
       call judge_adaptation(filter, measurements, result)
       ! a drift filter's output is not the rotation
       if (result%dc_gain < attenuated .and. paper) then
@@ -101,7 +105,7 @@ contains
 
    !> Warnings of the adaptation and the gate.
    pure subroutine judge_adaptation(filter, measurements, result)
-      type(filter_type), intent(in) :: filter
+      class(filter_type), intent(in) :: filter
       integer(int64), intent(in) :: measurements
       type(filter_result_type), intent(inout) :: result
       real(dp) :: all_of_them

@@ -15,7 +15,7 @@
 !> Huber's weight on the innovation.
 module gyroakf_filter_kalman
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_filter_types, only : filter_options, filter_type
+   use gyroakf_filter_filter_types, only : drift_filter_type, filter_options, filter_type
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_drift_step, only : run_processes
    use gyroakf_filter_components, only : is_sample, settle_distance
@@ -24,8 +24,8 @@ module gyroakf_filter_kalman
    use gyroakf_filter_state_space, only : predict_covariance, correct_covariance
    implicit none (type, external)
    private
-   public :: filter_options, filter_type, new_filter, step_filter, run_filter, freeze_filter
-   public :: step_vector
+   public :: drift_filter_type, filter_options, filter_type, new_filter, step_filter, &
+      run_filter, freeze_filter, step_vector
 
 contains
 
@@ -33,7 +33,7 @@ contains
    !> nothing.
    pure subroutine step_filter(filter, z, x)
       !> The filter; its state goes on
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
       !> Measurement in the unit of the variances' root; NaN, infinite or beyond 1e149: missing,
       !> only the prediction
       real(dp), intent(in) :: z
@@ -41,24 +41,29 @@ contains
       real(dp), intent(out) :: x
       real(dp) :: zs(1), xs(1)
 
-      if (filter%drift_model%count == 0 .and. filter%order > 1) then
-         call step_order(filter, z, is_sample(z))
-         x = filter%x(1)
-         return
-      end if
       zs(1) = z
-      if (filter%drift_model%count > 1) then
-         call run_processes(filter, zs, xs)
-      else
-         call run_scalar(filter, zs, xs)
-      end if
+      select type (filter)
+      type is (filter_type)
+         if (filter%order > 1) then
+            call step_order(filter, z, is_sample(z))
+            xs(1) = filter%x(1)
+         else
+            call run_scalar(filter, 1_int64, zs, xs)
+         end if
+      type is (drift_filter_type)
+         if (filter%model%count > 1) then
+            call run_processes(filter, zs, xs)
+         else
+            call run_scalar(filter%filter_type, 1_int64, zs, xs, state=filter%state)
+         end if
+      end select
       x = xs(1)
    end subroutine step_filter
 
    !> A whole series, or the next part of one: the same numbers as step by step.
-   subroutine run_filter(filter, z, x, valid, normalized_innovation)
+   pure subroutine run_filter(filter, z, x, valid, normalized_innovation)
       !> The filter; its state goes on
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
       !> Measurements, [n]; NaN, infinite or beyond 1e149: missing
       real(dp), intent(in), contiguous :: z(:)
       !> Estimates, [n]; not the same array as z
@@ -66,26 +71,24 @@ contains
       !> 1 where the measurement is present, 0 where it is missing, [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where missing
-      real(dp), intent(out), contiguous, optional :: normalized_innovation(:)
-      procedure(run_vector), pointer :: run
+      real(dp), intent(out), optional :: normalized_innovation(:)
+      integer(int64) :: n
 
-      run => run_vector
-      if (filter%drift_model%count > 1) then
-         run => run_processes
-      else if (filter%order == 1) then
-         run => run_scalar
-      end if
-      ! an absent optional is not passed on: the undefined-behavior sanitizer of gfortran 12 stops
-      ! there
-      if (present(valid) .and. present(normalized_innovation)) then
-         call run(filter, z, x, valid, normalized_innovation)
-      else if (present(valid)) then
-         call run(filter, z, x, valid)
-      else if (present(normalized_innovation)) then
-         call run(filter, z, x, normalized_innovation=normalized_innovation)
-      else
-         call run(filter, z, x)
-      end if
+      n = size(z, kind=int64)
+      select type (filter)
+      type is (filter_type)
+         if (filter%order > 1) then
+            call run_vector(filter, z, x, valid, normalized_innovation)
+         else
+            call run_scalar(filter, n, z, x, valid, normalized_innovation)
+         end if
+      type is (drift_filter_type)
+         if (filter%model%count > 1) then
+            call run_processes(filter, z, x, valid, normalized_innovation)
+         else
+            call run_scalar(filter%filter_type, n, z, x, valid, normalized_innovation, filter%state)
+         end if
+      end select
    end subroutine run_filter
 
    !> No adaptation of q, r, Q, R from here on, or adaptation again; the state goes on either way.
@@ -94,7 +97,7 @@ contains
    !> predicted.
    pure subroutine freeze_filter(filter, frozen)
       !> The filter
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
       !> Whether it is frozen
       logical, intent(in) :: frozen
 
@@ -107,7 +110,7 @@ contains
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(out), contiguous :: x(:)
       integer(int8), intent(in), optional :: valid(:)
-      real(dp), intent(out), contiguous, optional :: normalized_innovation(:)
+      real(dp), intent(out), optional :: normalized_innovation(:)
       integer(int64) :: k
       logical :: here
 
@@ -135,6 +138,7 @@ contains
       filter%gain_sum = filter%gain_sum + filter%gain
       filter%gain_measurements = filter%gain_measurements + 1
    end subroutine step_order
+
    !> One step of any order: prediction, and the correction by the measurement if there is one. The
    !> arrays are those of a filter, or of a caller who keeps them; nothing is allocated.
    pure subroutine step_vector(filter, n, phi, steady_gain, x, gain, work, p, z, here)

@@ -13,13 +13,13 @@ module gyroakf_filter_saving
    use gyroakf_filter_checksum, only : checksum
    use gyroakf_filter_creation, only : new_filter
    use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_filter_types, only : filter_type
+   use gyroakf_filter_filter_types, only : drift_filter_type, filter_type
    implicit none (type, external)
    private
    public :: save_filter, restore_filter, reset_filter
 
    !> First words: "GYROAKFF", version, words, checksum
-   integer(int64), parameter :: first_word = transfer("GYROAKFF", 0_int64), version = 2
+   integer(int64), parameter :: first_word = transfer("GYROAKFF", 0_int64), version = 3
    integer, parameter :: header = 4
    !> Largest state: as new_filter
    integer(int64), parameter :: largest_order = 1000
@@ -46,13 +46,15 @@ contains
    !> The words that a filter is made of.
    subroutine save_filter(filter, word, error)
       !> Made by new_filter or new_drift_filter
-      type(filter_type), intent(in) :: filter
+      class(filter_type), intent(in) :: filter
       !> Its words: [some 130 + p (p + 4)]
       integer(int64), allocatable, intent(out) :: word(:)
       !> invalid_argument (a filter that was never made), no_memory
       type(error_type), allocatable, intent(out) :: error
-      type(filter_type) :: copy
+      class(filter_type), allocatable :: copy
+      type(drift_filter_type) :: drift
       type(box_type) :: box
+      logical :: of_drift
       integer :: stat
 
       if (filter%order < 1) then
@@ -60,11 +62,13 @@ contains
             "a filter that was never made cannot be saved")
          return
       end if
-      copy = filter
       box%writing = .true.
-      allocate (box%word(200 + filter%order*(filter%order + 8_int64)), stat=stat)
+      allocate (copy, source=filter, stat=stat)
+      if (stat == 0) allocate (box%word(200 + filter%order*(filter%order + 8_int64)), stat=stat)
       call check_memory(stat, "the state of a filter", error)
       if (allocated(error)) return
+      of_drift = same_type_as(filter, drift)
+      call exchange(box, of_drift)
       call exchange_making(box, copy)
       call exchange_state(box, copy)
       word = box%word(:box%at)
@@ -75,12 +79,13 @@ contains
    subroutine restore_filter(word, filter, error)
       !> From save_filter
       integer(int64), intent(in) :: word(:)
-      !> The filter
-      type(filter_type), intent(out) :: filter
+      !> The filter, of the type that was saved
+      class(filter_type), allocatable, intent(out) :: filter
       !> `parse`: these are no words of a filter, of another version or byte order, cut short, or
       !> damaged; what making a filter can give
       type(error_type), allocatable, intent(out) :: error
-      type(filter_type) :: made
+      logical :: of_drift
+      integer :: stat
       character(100) :: reason
       type(box_type) :: box
 
@@ -101,50 +106,52 @@ contains
          return
       end if
       box%word = word
-      call exchange_making(box, made)
-      if (.not. box%bad) call make_again(made, filter, error)
+      call exchange(box, of_drift)
+      if (of_drift) then
+         allocate (drift_filter_type :: filter, stat=stat)
+      else
+         allocate (filter_type :: filter, stat=stat)
+      end if
+      call check_memory(stat, "a filter", error)
       if (allocated(error)) return
-      if (.not. box%bad) call exchange_state(box, filter)
-      if (box%bad .or. box%at /= size(word, kind=int64)) then
+      call exchange_making(box, filter)
+      if (.not. box%bad) call reset_filter(filter, error)
+      if (.not. (box%bad .or. allocated(error))) call exchange_state(box, filter)
+      if (box%bad .or. (box%at /= size(word, kind=int64) .and. .not. allocated(error))) then
          call fatal_error(error, status%parse, "the state of a filter holds what no filter has")
       end if
+      if (allocated(error)) deallocate (filter)
    end subroutine restore_filter
 
    !> The filter as it was when it was made: no step, not frozen.
    subroutine reset_filter(filter, error)
       !> Made by new_filter or new_drift_filter
-      type(filter_type), intent(inout) :: filter
-      !> invalid_argument (a filter that was never made); no_memory
+      class(filter_type), intent(inout) :: filter
+      !> invalid_argument (a filter that was never made); no_memory; the filter is then as it was
       type(error_type), allocatable, intent(out) :: error
       type(filter_type) :: fresh
+      type(drift_filter_type) :: fresh_drift
 
       if (filter%order < 1) then
          call fatal_error(error, status%invalid_argument, &
             "a filter that was never made cannot be reset")
          return
       end if
-      call make_again(filter, fresh, error)
-      if (.not. allocated(error)) filter = fresh
+      select type (filter)
+      type is (drift_filter_type)
+         call new_drift_filter(fresh_drift, filter%model, filter%slow(:filter%model%count), &
+            filter%options, error)
+         if (.not. allocated(error)) filter = fresh_drift
+      type is (filter_type)
+         call new_filter(fresh, filter%phi, filter%asked_q, filter%asked_r, filter%options, error)
+         if (.not. allocated(error)) filter = fresh
+      end select
    end subroutine reset_filter
-
-   !> A new filter of the same making.
-   subroutine make_again(made, filter, error)
-      type(filter_type), intent(in) :: made
-      type(filter_type), intent(out) :: filter
-      type(error_type), allocatable, intent(out) :: error
-
-      if (made%drift_model%count > 0) then
-         call new_drift_filter(filter, made%drift_model, made%slow(:made%drift_model%count), &
-            made%options, error)
-      else
-         call new_filter(filter, made%phi, made%asked_q, made%asked_r, made%options, error)
-      end if
-   end subroutine make_again
 
    !> What a filter was made of.
    subroutine exchange_making(box, filter)
       type(box_type), intent(inout) :: box
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
       integer :: i
 
       call exchange(box, filter%order)
@@ -154,17 +161,18 @@ contains
       call exchange(box, filter%phi)
       call exchange(box, filter%asked_q)
       call exchange(box, filter%asked_r)
-      call exchange(box, filter%drift_model%count)
-      associate (processes => filter%drift_model%count)
-         if (processes < 0 .or. processes > size(filter%slow)) box%bad = .true.
-         if (processes > 0 .and. filter%order /= 1) box%bad = .true.
-      end associate
-      call exchange(box, filter%drift_model%phi)
-      call exchange(box, filter%drift_model%q)
-      call exchange(box, filter%drift_model%r)
-      do i = 1, size(filter%slow)
-         call exchange(box, filter%slow(i))
-      end do
+      select type (filter)
+      type is (drift_filter_type)
+         call exchange(box, filter%model%count)
+         if (filter%model%count < 1 .or. filter%model%count > size(filter%slow) &
+            .or. filter%order /= 1) box%bad = .true.
+         call exchange(box, filter%model%phi)
+         call exchange(box, filter%model%q)
+         call exchange(box, filter%model%r)
+         do i = 1, size(filter%slow)
+            call exchange(box, filter%slow(i))
+         end do
+      end select
       associate (options => filter%options)
          call exchange(box, options%estimate_process_mean)
          call exchange(box, options%estimate_measurement_mean)
@@ -187,7 +195,7 @@ contains
    !> What its steps change.
    subroutine exchange_state(box, filter)
       type(box_type), intent(inout) :: box
-      type(filter_type), intent(inout) :: filter
+      class(filter_type), intent(inout) :: filter
 
       call exchange(box, filter%x)
       call exchange(box, filter%p)
@@ -212,13 +220,16 @@ contains
       call exchange(box, filter%weight_updates)
       call exchange(box, filter%run)
       call exchange(box, filter%settled)
-      call exchange(box, filter%drift_gain_sum)
-      call exchange(box, filter%drift_state%x)
-      call exchange(box, filter%drift_state%p)
-      call exchange(box, filter%drift_state%gain)
-      call exchange(box, filter%drift_state%innovation)
-      call exchange(box, filter%drift_state%variance)
-      call exchange(box, filter%drift_state%started)
+      select type (filter)
+      type is (drift_filter_type)
+         call exchange(box, filter%gain_sums)
+         call exchange(box, filter%state%x)
+         call exchange(box, filter%state%p)
+         call exchange(box, filter%state%gain)
+         call exchange(box, filter%state%innovation)
+         call exchange(box, filter%state%variance)
+         call exchange(box, filter%state%started)
+      end select
    end subroutine exchange_state
 
    !> A number of 64 bits.

@@ -6,7 +6,8 @@
 !> test says so.
 module gyroakf_filter_scalar
    use gyroakf_kinds, only : dp, int8, int64
-   use gyroakf_filter_components, only : settle_distance, vanished, exponent_mask, exponent_limit
+   use gyroakf_filter_components, only : component_state_type, exponent_limit, exponent_mask, &
+      settle_distance, vanished
    use gyroakf_filter_filter_types, only : filter_type
    use gyroakf_filter_sage_husa, only : longest_run, shift_variance
    implicit none (type, external)
@@ -40,23 +41,28 @@ contains
 
    !> The filter over a series, or the next part of one. A single sample takes this way too:
    !> `advance` is inlined as long as nothing else calls it.
-   pure subroutine run_scalar(filter, z, x, valid, normalized_innovation)
+   pure subroutine run_scalar(filter, n, z, x, valid, normalized_innovation, state)
       !> Of order 1; its state goes on
       type(filter_type), intent(inout) :: filter
-      !> Measurements, [n]
-      real(dp), intent(in), contiguous :: z(:)
-      !> Estimates, [n]
-      real(dp), intent(out), contiguous :: x(:)
+      !> Samples
+      integer(int64), intent(in) :: n
+      !> Measurements, and estimates
+      real(dp), intent(in) :: z(n)
+      real(dp), intent(out) :: x(n)
       !> 1 where the measurement is present, [n]
       integer(int8), intent(in), optional :: valid(:)
       !> Innovations over their standard deviations, [n], 0 where missing
-      real(dp), intent(out), contiguous, optional :: normalized_innovation(:)
+      real(dp), intent(out), optional :: normalized_innovation(:)
+      !> Of the process of a drift filter
+      type(component_state_type), intent(inout), optional :: state
       type(scalar_filter_type) :: f
       integer(int64) :: k
       logical :: here
 
       call load(filter, f)
-      do k = 1, size(z, kind=int64)
+      f%started = .true.
+      if (present(state)) f%started = state%started
+      do k = 1, n
          here = is_number(z(k))
          if (present(valid)) here = here .and. valid(k) /= 0_int8
          call advance(f, z(k), here)
@@ -66,7 +72,12 @@ contains
             if (here .and. f%s > 0.0_dp) normalized_innovation(k) = f%innovation/sqrt(f%s)
          end if
       end do
-      call store(f, size(z, kind=int64), filter)
+      call store(f, n, filter)
+      if (.not. present(state)) return
+      state%started = f%started
+      state%x(1) = f%state
+      state%p(1, 1) = f%p
+      state%gain(1) = f%gain
    end subroutine run_scalar
 
    pure subroutine advance(f, z, here)
@@ -132,8 +143,7 @@ contains
    pure subroutine compute_gain(f)
       type(scalar_filter_type), intent(inout) :: f
 
-      ! Q is last in the dependency chain
-      f%s = (f%phi2*f%p + f%r) + f%q
+      f%s = (f%phi2*f%p + f%r) + f%q          ! Q is last in the dependency chain
       f%gain = f%prior/f%s
       f%share = f%r/f%s
    end subroutine compute_gain
@@ -168,8 +178,7 @@ contains
       f%gated = f%gated + 1
       if (real(f%run, dp)*f%innovation < 0.0_dp) f%run = 0
       f%run = f%run + merge(1, -1, f%innovation > 0.0_dp)
-      ! level shift: P is raised
-      if (abs(f%run) > longest_run) then
+      if (abs(f%run) > longest_run) then      ! level shift: P is raised
          f%p = f%p + shift_variance*f%r
          f%run = 0
       end if
@@ -238,7 +247,6 @@ contains
       f%innovation = filter%innovation
       f%varying = filter%varying
       f%settled = filter%settled
-      f%started = filter%drift_state%started
       f%gain_sum = 0.0_dp
       f%used = 0
       if (f%varying) then
@@ -294,14 +302,7 @@ contains
       filter%gain_measurements = filter%gain_measurements + f%used
       filter%measurements = filter%measurements + f%used
       filter%steps = filter%steps + steps
-      if (filter%drift_model%count > 0) then
-         filter%drift_state%started = f%started
-         filter%drift_state%x(1) = f%state
-         filter%drift_state%p(1, 1) = f%p
-         filter%drift_state%gain(1) = f%gain
-      end if
-      if (.not. f%varying) return
-      ! only what is adapted, and so one by one: see scalar_filter_type
+      if (.not. f%varying) return             ! what is adapted, one by one: see scalar_filter_type
       if (f%adapt_q) filter%q = f%q
       if (f%adapt_r) filter%r = f%r
       if (f%adapt_q_mean) filter%q_mean = f%q_mean

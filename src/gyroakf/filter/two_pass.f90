@@ -15,7 +15,7 @@ module gyroakf_filter_two_pass
    use gyroakf_filter_components, only : component_model_type, is_sample
    use gyroakf_filter_creation, only : shorten_burn_in
    use gyroakf_filter_drift_filter, only : new_drift_filter
-   use gyroakf_filter_kalman, only : filter_options, filter_type, step_filter
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_options, step_filter
    use gyroakf_filter_sage_husa, only : gate_inflation
    use gyroakf_filter_smoother, only : check_sizes, smooth_drift
    implicit none (type, external)
@@ -52,7 +52,7 @@ contains
       real(dp), intent(inout), optional :: white(:)
       !> Progress callback; may cancel
       class(progress_type), intent(inout), optional :: progress
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       type(filter_options) :: adaptive
       real(dp), allocatable :: r(:)
       integer(int64) :: n
@@ -65,7 +65,7 @@ contains
       if (.not. allocated(error)) call check_sizes(n, size(drift, kind=int64), .true., error, &
          valid, variance, white)
       if (allocated(error)) return
-      if (options%burn_in < 0) call shorten_burn_in(filter, n)
+      if (options%burn_in < 0) call shorten_burn_in(filter%filter_type, n)
       allocate (r(n), stat=stat)
       call check_memory(stat, "the white noise of a series", error)
       if (allocated(error)) return
@@ -79,13 +79,13 @@ contains
    !> The variance of the white noise that the samples before, and those behind, let expect: one
    !> thread each.
    subroutine weigh_both_ways(fresh, z, before, behind, error, valid, progress)
-      type(filter_type), intent(in) :: fresh
+      type(drift_filter_type), intent(in) :: fresh
       real(dp), intent(in), contiguous :: z(:)
       real(dp), intent(inout), contiguous :: before(:), behind(:)
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: valid(:)
       class(progress_type), intent(inout), optional :: progress
-      type(filter_type) :: filter(2)
+      type(drift_filter_type) :: filter(2)
       integer(int64) :: done, k, last, n
       integer :: way
 
@@ -120,7 +120,7 @@ contains
 
    !> A step of the filter, and the variance of the white noise that it expected.
    pure subroutine weigh_sample(filter, z, here, r)
-      type(filter_type), intent(inout) :: filter
+      type(drift_filter_type), intent(inout) :: filter
       real(dp), intent(in) :: z
       logical, intent(in) :: here
       !> Variance, times the factor of the gate
@@ -129,7 +129,7 @@ contains
       logical :: first
 
       r = filter%r
-      first = .not. filter%drift_state%started
+      first = .not. filter%state%started
       call step_filter(filter, merge(z, missing, here), x)
       if (.not. here .or. first) return
       r = r*gate_inflation(filter%options%huber, filter%innovation, filter%innovation_variance)
@@ -137,7 +137,7 @@ contains
 
    !> The geometric mean of the two variances of each sample.
    subroutine join_ways(fresh, z, before, behind, valid)
-      type(filter_type), intent(in) :: fresh
+      type(drift_filter_type), intent(in) :: fresh
       real(dp), intent(in), contiguous :: z(:)
       !> Variance from before, [n]; from both sides afterwards
       real(dp), intent(inout), contiguous :: before(:)
@@ -167,11 +167,11 @@ contains
 
    !> Measurements that R remembers after so many.
    pure real(dp) function memory_of(fresh, measurements) result(memory)
-      type(filter_type), intent(in) :: fresh
+      type(drift_filter_type), intent(in) :: fresh
       integer(int64), intent(in) :: measurements
       integer(int64) :: adapted
 
-      adapted = measurements - fresh%wait - merge(0, 1, fresh%drift_state%started)
+      adapted = measurements - fresh%wait - merge(0, 1, fresh%state%started)
       memory = 0.0_dp
       if (adapted <= 0) return
       memory = real(adapted, dp)

@@ -12,7 +12,7 @@ module gyroakf_pipeline_channel_filters
    use gyroakf_filter_design, only : adaptive_drift, design_akf, design_drift_akf, &
       design_drift_kf, design_kf
    use gyroakf_filter_filter_series, only : filter_result_type, filter_series
-   use gyroakf_filter_kalman, only : filter_type
+   use gyroakf_filter_kalman, only : drift_filter_type, filter_type
    use gyroakf_filter_two_pass, only : smooth_adaptive
    use gyroakf_stats_differences, only : difference_variance
    use gyroakf_stats_moments, only : compute_moments, moments_type
@@ -186,35 +186,19 @@ contains
       type(channel_result_type), intent(inout) :: channel
       !> That of its design where it shall be made only; no_memory, cancelled and the like
       type(error_type), allocatable, intent(out) :: error
-      type(filter_type) :: filter
+      class(filter_type), allocatable :: filter
       type(filter_result_type) :: filtered
       type(filter_figures_type) :: figures
       character(22) :: title
       logical :: of_drift
-      integer :: stat
 
       if (job%options%design_only /= "" .and. job%options%design_only /= name) return
       call reserve(x, size(z, kind=int64), error)
       if (allocated(error)) return
       of_drift = index(name, "drift") == 1
-      select case (name)
-      case ("kf")
-         title = "Kalman filter"
-         call design_kf(channel%filter_ar, job%options%design, filter, error)
-      case ("akf")
-         title = "adaptive Kalman filter"
-         call design_akf(channel%filter_ar, differences, job%options%design, filter, error)
-      case ("drift_kf")
-         title = "drift Kalman filter"
-         call design_drift_kf(channel%drift, filter, error)
-      case default
-         title = "adaptive drift filter"
-         call design_drift_akf(channel%drift, differences, job%options%drift, filter, error)
-      end select
+      call design_filter(name, job, differences, channel, filter, title, error)
       if (job%options%design_only /= "") then
-         if (allocated(error)) return
-         allocate (channel%designed, source=filter, stat=stat)
-         call check_memory(stat, "a filter", error)
+         if (.not. allocated(error)) call move_alloc(filter, channel%designed)
          return
       end if
       if (.not. allocated(error)) call filter_series(filter, z, x, filtered, error, job%valid, &
@@ -248,6 +232,46 @@ contains
       end subroutine keep
 
    end subroutine run_filter
+
+   !> The filter of that name, before its first step.
+   subroutine design_filter(name, job, differences, channel, filter, title, error)
+      !> As of `run_filter`
+      character(*), intent(in) :: name
+      type(job_type), intent(in) :: job
+      real(dp), intent(in) :: differences
+      type(channel_result_type), intent(in) :: channel
+      class(filter_type), allocatable, intent(out) :: filter
+      !> What messages call it
+      character(*), intent(out) :: title
+      type(error_type), allocatable, intent(out) :: error
+      type(filter_type), allocatable :: of_series
+      type(drift_filter_type), allocatable :: of_drift
+      integer :: stat
+
+      allocate (of_series, stat=stat)
+      if (stat == 0) allocate (of_drift, stat=stat)
+      call check_memory(stat, "a filter", error)
+      if (allocated(error)) return
+      select case (name)
+      case ("kf")
+         title = "Kalman filter"
+         call design_kf(channel%filter_ar, job%options%design, of_series, error)
+      case ("akf")
+         title = "adaptive Kalman filter"
+         call design_akf(channel%filter_ar, differences, job%options%design, of_series, error)
+      case ("drift_kf")
+         title = "drift Kalman filter"
+         call design_drift_kf(channel%drift, of_drift, error)
+      case default
+         title = "adaptive drift filter"
+         call design_drift_akf(channel%drift, differences, job%options%drift, of_drift, error)
+      end select
+      if (index(name, "drift") == 1) then
+         call move_alloc(of_drift, filter)
+      else
+         call move_alloc(of_series, filter)
+      end if
+   end subroutine design_filter
 
    !> Ratios of variances, and the RMSE where the true drift is known.
    pure type(filter_figures_type) function figures_of(job, filtered, input_variance, x, mean, &

@@ -206,7 +206,7 @@ contains
                if (doubt /= "") channel%drift_doubt = "its K = "//format_real(k%value, 3)//doubt// &
                   " "//k%unit
                k%detected = .not. allocated(channel%drift_doubt) .and. (.not. verdict%known .or. &
-                  (index(verdict%drift, "random_walk") > 0 .and. allan%state /= "withheld"))
+                  (verdict%walks .and. allan%state /= "withheld"))
             end associate
          end do
       end associate

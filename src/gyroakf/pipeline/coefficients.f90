@@ -221,7 +221,7 @@ contains
                     walk => channel%allan(which)%noise%coefficient(term_walk), &
                     ramp => channel%allan(which)%noise%coefficient(term_ramp))
             if (.not. allan%fitted) cycle
-            if (index(verdict%drift, "random_walk") == 0 .and. walk%detected) then
+            if (walk%detected .and. .not. verdict%walks) then
                walk = coefficient_type(state="withheld")
             end if
             if (verdict%trend%shape /= "" .or. (verdict%drift /= "random_walk_or_trend" .and. &

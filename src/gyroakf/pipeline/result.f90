@@ -132,6 +132,8 @@ module gyroakf_pipeline_result
       logical :: wanted = .false., known = .false.
       !> The noise is stationary; it drifts. Neither: nothing is known
       logical :: stationary = .false., drifts = .false.
+      !> It drifts by a random walk, or may do so: K is stated
+      logical :: walks = .false.
       !> "none", "flicker", "colored"; "random_walk", "trend", "trend_and_random_walk",
       !> "random_walk_or_trend", "unit_root"; or "undescribed"
       character(21) :: drift = "undescribed"
@@ -213,7 +215,7 @@ module gyroakf_pipeline_result
       type(filter_figures_type) :: drift_kf_figures, drift_akf_figures, drift_smoother_figures
       !> The filter of `design_only`, for samples less this mean; unallocated where the channel has
       !> no drift
-      type(filter_type), allocatable :: designed
+      class(filter_type), allocatable :: designed
       real(dp) :: designed_mean = 0.0_dp
       !> The record as read, without its outliers, less the smoothed drift: in-sample, for the drift
       !> was taken from it

@@ -167,24 +167,24 @@ contains
       real(dp), intent(in) :: length
       type(verdict_type), intent(inout) :: verdict
       real(dp) :: walk_share
-      logical :: trend, walk, more
+      logical :: trend, walk
 
       trend = verdict%trend%shape /= ""
       walk = noise%coefficient(term_walk)%detected
       verdict%complete = noise%described .and. noise%cut_off == 0
       verdict%walk_margin = noise%walk_margin
       verdict%drift_margin = noise%drift_margin
-      more = .false.
       if (verdict%complete .and. verdict%drift_margin > drift_margin) then
          walk_share = noise%squares(term_walk)*term_shape(term_walk, length)/ &
             model_variance(noise%squares, length)
          verdict%bounded = walk_share > 0.5_dp .and. verdict%adf%statistic < unit_root_limit .and. &
             .not. trend
-         more = .not. verdict%bounded
+         verdict%walks = .not. verdict%bounded
       end if
       if (trend) then
-         verdict%drift = merge("trend_and_random_walk", "trend                ", more)
-      else if (more) then
+         verdict%drift = merge("trend_and_random_walk", "trend                ", &
+            verdict%walks)
+      else if (verdict%walks) then
          verdict%drift = merge("random_walk         ", "random_walk_or_trend", walk)
       else if (verdict%complete) then
          verdict%drift = "none"
@@ -222,10 +222,10 @@ contains
       else if (verdict%bounded) then
          call add_text(verdict%reasons, "the Allan curve rises like that of a random walk, but "// &
             "is bounded: "//text)
-      else if (index(verdict%drift, "_or_") > 0) then
+      else if (verdict%drift == "random_walk_or_trend") then
          call add_text(verdict%reasons, "the Allan curve needs K or R: a fit without both "// &
             "costs "//format_real(verdict%drift_margin, 3)//" of chi-square more")
-      else if (index(verdict%drift, "random_walk") > 0) then
+      else if (verdict%walks) then
          call add_text(verdict%reasons, "the Allan curve needs K: a fit without it costs "// &
                        format_real(verdict%walk_margin, 3)//" of chi-square more")
       end if

@@ -9,7 +9,7 @@
 program nis
    use, intrinsic :: iso_fortran_env, only : error_unit, output_unit
    use gyroakf, only : component_model_type, dp, error_type, fill_normal, filter_options, filter_result_type, filter_series, &
-      & filter_type, int64, new_drift_filter, new_filter, random_type, seed_random, smooth_drift
+      & drift_filter_type, filter_type, int64, new_drift_filter, new_filter, random_type, seed_random, smooth_drift
    use monte_carlo_table, only : argument_or, first_order, fixed, percent
    implicit none (type, external)
 
@@ -70,7 +70,9 @@ contains
       integer, intent(in) :: number
       type(outcome_type), intent(out) :: outcome
       type(random_type) :: random
-      type(filter_type) :: filter
+      type(filter_type) :: of_series
+      type(drift_filter_type) :: of_drift
+      class(filter_type), allocatable :: filter
       type(filter_result_type) :: result
       type(error_type), allocatable :: failure
       real(dp), dimension(samples) :: truth, part, z, estimate, variance
@@ -87,9 +89,11 @@ contains
       z = truth + sqrt(model%r)*z
       slow = .true.
       if (model%count == 1 .and. model%phi(1) < 0.5_dp) then
-         call new_filter(filter, model%phi(:1), model%q(1), model%r, filter_options(), failure)
+         call new_filter(of_series, model%phi(:1), model%q(1), model%r, filter_options(), failure)
+         allocate (filter, source=of_series)
       else
-         call new_drift_filter(filter, model, slow, filter_options(), failure)
+         call new_drift_filter(of_drift, model, slow, filter_options(), failure)
+         allocate (filter, source=of_drift)
       end if
       if (.not. allocated(failure)) call filter_series(filter, z, estimate, result, failure)
       if (.not. allocated(failure)) then

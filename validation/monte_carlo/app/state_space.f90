@@ -7,7 +7,7 @@
 !> drift, the innovation over its deviation, the smoothed drift and its variance.
 program state_space
    use, intrinsic :: iso_fortran_env, only : error_unit
-   use gyroakf, only : component_likelihood, component_model_type, dp, error_type, filter_options, filter_type, int64, &
+   use gyroakf, only : component_likelihood, component_model_type, dp, error_type, filter_options, drift_filter_type, int64, &
       & new_drift_filter, run_filter, smooth_drift
    implicit none (type, external)
 
@@ -34,7 +34,7 @@ contains
    subroutine work(series, result, model)
       character(*), intent(in) :: series, result
       type(component_model_type), intent(in) :: model
-      type(filter_type) :: filter
+      type(drift_filter_type) :: filter
       type(error_type), allocatable :: failure
       real(dp), allocatable :: z(:), filtered(:), innovation(:), smoothed(:), variance(:)
       real(dp) :: likelihood
