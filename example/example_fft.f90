@@ -9,7 +9,7 @@ contains
 
    subroutine spectrum_of_sinusoid()
       use gyroakf, only : dp, int64, error_type
-      use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
+      use gyroakf_fft_real, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
       integer(int64), parameter :: n = 970
       type(real_fft_plan_type) :: plan
       type(error_type), allocatable :: error

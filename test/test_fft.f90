@@ -4,8 +4,10 @@ module test_fft
    use expectations, only : failure => problem, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int64
    use gyroakf_error, only : gyro_error => error_type, status
-   use gyroakf_fft, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward, smooth_length, &
-      & real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward, convolve
+   use gyroakf_fft_convolution, only : convolve
+   use gyroakf_fft_lengths, only : smooth_length
+   use gyroakf_fft_plan, only : fft_plan_type, new_fft_plan, fft_forward, fft_backward
+   use gyroakf_fft_real, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward, real_fft_backward
    implicit none (type, external)
    private
    public :: suite_fft

@@ -73,8 +73,6 @@ module gyroakf_allan_halves
       real(dp), allocatable :: score(:)
       !> The curves differ: p_value is below 1 - confidence
       logical :: changed = .false.
-      !> Averaging times at which they do, each at the level (1 - confidence)/k, k averaging times
-      logical, allocatable :: differs(:)
       !> Probability between the limits of a ratio
       real(dp) :: confidence = 0.95_dp
    end type halves_type
@@ -268,8 +266,6 @@ contains
       halves%tau = real(m(place), dp)*sample_interval
       halves%ratio = exp(change/2)
       halves%score = change/deviation
-      halves%differs = halves%changed &
-         & .and. abs(halves%score) > normal_quantile(1 - (1 - options%confidence)/(2*size(place)))
       halves%lower = exp((change - wide*deviation)/2)
       halves%upper = exp((change + wide*deviation)/2)
    end subroutine compare_variances

@@ -4,7 +4,7 @@
 module gyroakf_c_api_c_allan
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, c_size_t, &
       & c_null_ptr, c_associated, c_f_pointer, c_loc, c_sizeof
-   use gyroakf_error, only : check_memory, fatal_error, status
+   use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_allan_deviations, only : allan_options, allan_curve_type, compute_allan
    use gyroakf_allan_noise_fit, only : noise_options, noise_type, coefficient_type, fit_noise
    use gyroakf_c_api_c_host, only : progress_c
@@ -72,31 +72,43 @@ contains
       integer :: stat
 
       call enter_library(c)
-      nullify (curve)
       call check_place(present(out), "result (out)", c%error)
       allocate (curve, stat=stat)
       call check_memory(stat, "a deviation curve", c%error)
-      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
-      if (present(opt) .and. ok(c)) then
-         call take_text(opt%kind, options%kind, c%error)
-         call copy_c_text(opt%taus, "octave", options%taus)
-         options%confidence = opt%confidence
-         options%min_coverage = opt%min_coverage
-      end if
+      call read_options(options, c, opt)
       call open_series(rate, n, c)
       if (ok(c)) call compute_allan(c%x, dt, options, curve, c%error, c%valid, c%callback)
-      if (ok(c)) then
-         call check_finite(curve%tau, c%error)
-         call check_finite(curve%deviation, c%error)
-         call check_finite(curve%lower, c%error)
-         call check_finite(curve%upper, c%error)
-         call check_finite(curve%edf, c%error)
-      end if
-      if (allocated(c%error) .and. associated(curve)) deallocate (curve)
+      if (ok(c)) call check_curve(curve, c%error)
       if (present(out)) out = c_null_ptr
-      if (associated(curve)) out = c_loc(curve)
+      if (ok(c)) out = c_loc(curve)
+      if (stat == 0 .and. .not. ok(c)) deallocate (curve)
       gyroakf_allan_new = leave_library(c, err)
    end function gyroakf_allan_new
+
+   subroutine read_options(options, c, opt)
+      type(allan_options), intent(out) :: options
+      type(call_type), intent(inout) :: c
+      type(allan_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (.not. ok(c)) return
+      call take_text(opt%kind, options%kind, c%error)
+      call copy_c_text(opt%taus, "octave", options%taus)
+      options%confidence = opt%confidence
+      options%min_coverage = opt%min_coverage
+   end subroutine read_options
+
+   subroutine check_curve(curve, error)
+      type(allan_curve_type), intent(in) :: curve
+      type(error_type), allocatable, intent(inout) :: error
+
+      call check_finite(curve%tau, error)
+      call check_finite(curve%deviation, error)
+      call check_finite(curve%lower, error)
+      call check_finite(curve%upper, error)
+      call check_finite(curve%edf, error)
+   end subroutine check_curve
 
    integer(c_int64_t) function gyroakf_allan_size(a) bind(C)
       type(c_ptr), intent(in), value :: a

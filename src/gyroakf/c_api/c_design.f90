@@ -4,7 +4,7 @@
 module gyroakf_c_api_c_design
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int64_t, c_double
    use gyroakf_kinds, only : dp, int64
-   use gyroakf_error, only : check_memory, check_sample_interval, fatal_error, status
+   use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_pipeline, only : minimum_samples
    use gyroakf_pipeline_channel, only : run_channel
    use gyroakf_pipeline_channel_job, only : job_type
@@ -39,11 +39,7 @@ contains
       call new_handle(handle, c%error, out)
       call check_place(present(mean), "mean", c%error)
       call read_options(options, c, opt)
-      call take_text(kind, options%design_only, c%error)
-      if (ok(c) .and. all(options%design_only /= kinds)) then
-         call fatal_error(c%error, status%invalid_argument, 'there is no filter of kind "'// &
-            & trim(options%design_only)//'"; there are kf, akf, drift_kf and drift_akf')
-      end if
+      call take_kind(kind, options%design_only, c%error)
       if (ok(c)) call check_sample_interval(dt, c%error)
       call open_series(x, n, c)
       if (ok(c)) call design(c, dt, options, handle, level)
@@ -51,6 +47,18 @@ contains
       call hand_over(handle, c%error, out)
       gyroakf_filter_identify = leave_library(c, err)
    end function gyroakf_filter_identify
+
+   !> The kind of a filter.
+   subroutine take_kind(kind, name, error)
+      type(c_ptr), intent(in) :: kind
+      character(*), intent(inout) :: name
+      type(error_type), allocatable, intent(inout) :: error
+
+      call take_text(kind, name, error)
+      if (allocated(error) .or. any(name == kinds)) return
+      call fatal_error(error, status%invalid_argument, 'there is no filter of kind "'// &
+         & trim(name)//'"; there are kf, akf, drift_kf and drift_akf')
+   end subroutine take_kind
 
    !> The analysis of the series as far as the filter takes it.
    subroutine design(c, dt, options, handle, mean)

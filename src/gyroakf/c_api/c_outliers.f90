@@ -73,8 +73,7 @@ contains
       type(call_type) :: c
       real(dp), allocatable :: series(:)
       integer(int8), allocatable :: mask(:)
-      real(c_double), pointer :: output(:)
-      integer(c_int64_t) :: i
+      real(c_double), pointer, contiguous :: output(:)
 
       call enter_library(c)
       call check_place(c_associated(cleaned), "cleaned series", c%error)
@@ -83,10 +82,9 @@ contains
       if (ok(c)) then
          call c_f_pointer(cleaned, output, [n])
          output(:) = series
-         do i = 1, n
-            if (.not. allocated(mask)) exit
-            if (mask(i) == 0_int8) output(i) = ieee_value(output(i), ieee_quiet_nan)
-         end do
+         if (allocated(mask)) then
+            where (mask == 0_int8) output = ieee_value(1.0_dp, ieee_quiet_nan)
+         end if
       end if
       gyroakf_clean = leave_library(c, err)
    end function gyroakf_clean

@@ -134,9 +134,6 @@ contains
       call enter_library(c, progress, progress_user)
       call new_handle(handle, c_associated(values), "the channels (values) must not be NULL", c, &
          & out)
-      if (ok(c) .and. (channels < 1 .or. channels > most_channels .or. n < 1 &
-         & .or. n > max_samples)) call fatal_error(c%error, status%invalid_argument, &
-         & "a recording has 1 .. 100000 channels of 1 .. 2**44 samples")
       if (ok(c)) call copy_values(values, channels, n, handle%record, c)
       if (ok(c)) call copy_names(names, channels, handle%record)
       call copy_c_text(unit, "", unit_text)
@@ -150,13 +147,19 @@ contains
       integer(c_int32_t), intent(in) :: channels
       integer(c_int64_t), intent(in) :: n
       type(record_type), intent(inout) :: record
-      !> invalid_argument: an array is NULL or at an odd address; no_memory; cancelled
+      !> invalid_argument: numbers out of range, an array is NULL or at an odd address; no_memory;
+      !> cancelled
       type(call_type), intent(inout) :: c
       type(c_ptr), pointer :: given(:)
       real(c_double), pointer, contiguous :: x(:)
       integer(int64) :: i, first
       integer :: j, stat
 
+      if (channels < 1 .or. channels > most_channels .or. n < 1 .or. n > max_samples) then
+         call fatal_error(c%error, status%invalid_argument, &
+            & "a recording has 1 .. 100000 channels of 1 .. 2**44 samples")
+         return
+      end if
       call c_f_pointer(values, given, [channels])
       do j = 1, channels
          if (.not. c_associated(given(j))) then

@@ -16,7 +16,7 @@ module gyroakf_c_api_c_run
    use gyroakf_c_api_c_host, only : progress_c
    use gyroakf_c_api_c_recording, only : record_handle, new_handle, hand_over
    use gyroakf_c_api_c_support, only : error_c, call_type, enter_library, leave_library, ok, &
-      & copy_c_text, max_samples, open_options
+      & check_place, copy_c_text, max_samples, open_options
    implicit none (type, external)
    private
    public :: gyroakf_run_options_init, gyroakf_run, gyroakf_result_json, gyroakf_result_free
@@ -63,48 +63,48 @@ contains
       type(c_ptr), intent(out), optional :: out
       type(error_c), intent(out), optional :: err
       type(call_type) :: c
-      type(record_handle), pointer :: record
       type(result_handle), pointer :: handle
       type(pipeline_options) :: options
+      integer :: stat
 
       call enter_library(c)
-      nullify (handle)
       if (present(out)) out = c_null_ptr
-      if (.not. present(out) .or. .not. c_associated(r)) call fatal_error(c%error, &
-         & status%invalid_argument, &
-         & "the recording and the pointer to the result (out) must not be NULL")
+      call check_place(present(out), "result (out)", c%error)
+      call check_place(c_associated(r), "recording", c%error)
       call read_options(options, c, opt)
       if (ok(c)) then
-         call c_f_pointer(r, record)
-         allocate (handle)
-         call run_record(record%record, options, handle%json, c)
-         if (allocated(c%error)) deallocate (handle)
+         allocate (handle, stat=stat)
+         call check_memory(stat, "a result", c%error)
+         if (ok(c)) call run_record(r, options, handle%json, c)
+         if (ok(c)) out = c_loc(handle)
+         if (stat == 0 .and. .not. ok(c)) deallocate (handle)
       end if
-      if (associated(handle)) out = c_loc(handle)
       gyroakf_run = leave_library(c, err)
    end function gyroakf_run
 
-   subroutine run_record(given, options, json, c)
-      !> Its missing values are NaN
-      type(record_type), intent(in) :: given
+   subroutine run_record(r, options, json, c)
+      !> `gyroakf_record *`; its missing values are NaN
+      type(c_ptr), intent(in) :: r
       type(pipeline_options), intent(in) :: options
       character(:), allocatable, intent(out) :: json
       type(call_type), intent(inout) :: c
+      type(record_handle), pointer :: given
       type(record_type), allocatable :: record
       type(pipeline_result_type) :: result
       type(json_type) :: document
       integer :: stat
 
-      if (allocated(given%present)) then
-         allocate (record, source=given, stat=stat)
+      call c_f_pointer(r, given)
+      if (allocated(given%record%present)) then
+         allocate (record, source=given%record, stat=stat)
          call check_memory(stat, "a copy of the recording", c%error)
          if (allocated(c%error)) return
          where (record%present == 0_int8) record%value = 0
          call run_pipeline(record, options, result, c%error, c%callback)
          if (ok(c)) call put_document(document, record, result)
       else
-         call run_pipeline(given, options, result, c%error, c%callback)
-         if (ok(c)) call put_document(document, given, result)
+         call run_pipeline(given%record, options, result, c%error, c%callback)
+         if (ok(c)) call put_document(document, given%record, result)
       end if
       if (allocated(c%error)) return
       stat = merge(1, 0, document%failed)

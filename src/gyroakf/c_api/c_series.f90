@@ -4,7 +4,7 @@
 module gyroakf_c_api_c_series
    use, intrinsic :: iso_c_binding, only : c_ptr, c_int, c_int32_t, c_int64_t, c_double, &
       & c_size_t, c_null_ptr, c_associated, c_sizeof
-   use gyroakf_error, only : fatal_error, status
+   use gyroakf_error, only : error_type, fatal_error, status
    use gyroakf_ar_model, only : ar_options, ar_model_type, fit_ar
    use gyroakf_series_adf, only : adf_options, adf_type, test_adf
    use gyroakf_series_kpss, only : kpss_options, kpss_type, test_kpss
@@ -82,13 +82,7 @@ contains
 
       call enter_library(c)
       call check_place(present(out), "result", c%error)
-      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
-      if (present(opt) .and. ok(c)) then
-         call take_text(opt%regression, options%regression, c%error)
-         call take_text(opt%criterion, options%criterion, c%error)
-         options%lags = opt%lags
-         options%max_lags = opt%max_lags
-      end if
+      call read_adf_options(options, c, opt)
       call open_series(x, n, c)
       if (ok(c)) call test_adf(c%x, options, result, c%error, c%valid, progress=c%callback)
       call check_finite([result%statistic, result%p_value], c%error)
@@ -96,6 +90,20 @@ contains
          & result%critical, int(result%lag, c_int32_t), int(result%observations, c_int64_t))
       gyroakf_adf_test = leave_library(c, err)
    end function gyroakf_adf_test
+
+   subroutine read_adf_options(options, c, opt)
+      type(adf_options), intent(inout) :: options
+      type(call_type), intent(inout) :: c
+      type(adf_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (.not. ok(c)) return
+      call take_text(opt%regression, options%regression, c%error)
+      call take_text(opt%criterion, options%criterion, c%error)
+      options%lags = opt%lags
+      options%max_lags = opt%max_lags
+   end subroutine read_adf_options
 
    subroutine gyroakf_kpss_options_init(opt) bind(C)
       type(kpss_options_c), intent(out), optional :: opt
@@ -115,21 +123,29 @@ contains
 
       call enter_library(c)
       call check_place(present(out), "result", c%error)
-      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
-      if (present(opt) .and. ok(c)) then
-         call take_text(opt%regression, options%regression, c%error)
-         call take_text(opt%rule, options%rule, c%error)
-         options%lags = opt%lags
-      end if
+      call read_kpss_options(options, c, opt)
       call open_series(x, n, c)
       if (ok(c)) call test_kpss(c%x, options, result, c%error, c%valid, c%callback)
       call check_finite([result%statistic, result%p_value, result%p_asymptotic, result%variance, &
          & result%long_run_variance, result%drift], c%error)
-      if (ok(c)) out = kpss_c(result%statistic, result%p_value, &
-         & result%p_asymptotic, result%critical, result%variance, result%long_run_variance, &
-         & result%drift, result%lags, result%observations, int(result%p_bound, c_int32_t))
+      if (ok(c)) out = kpss_c(result%statistic, result%p_value, result%p_asymptotic, &
+         & result%critical, result%variance, result%long_run_variance, result%drift, &
+         & result%lags, result%observations, int(result%p_bound, c_int32_t))
       gyroakf_kpss_test = leave_library(c, err)
    end function gyroakf_kpss_test
+
+   subroutine read_kpss_options(options, c, opt)
+      type(kpss_options), intent(inout) :: options
+      type(call_type), intent(inout) :: c
+      type(kpss_options_c), intent(in), optional :: opt
+
+      if (.not. present(opt)) return
+      call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (.not. ok(c)) return
+      call take_text(opt%regression, options%regression, c%error)
+      call take_text(opt%rule, options%rule, c%error)
+      options%lags = opt%lags
+   end subroutine read_kpss_options
 
    subroutine gyroakf_ar_options_init(opt) bind(C)
       type(ar_options_c), intent(out), optional :: opt
@@ -152,33 +168,50 @@ contains
       type(ar_model_type) :: model
 
       call enter_library(c)
-      if (max_order < 0 .or. max_order > largest_order) then
-         call fatal_error(c%error, status%invalid_argument, "max_order must be 0 .. 1000")
-      else if (.not. present(order) .or. (max_order > 0 .and. .not. c_associated(phi))) then
-         call fatal_error(c%error, status%invalid_argument, &
-            "the pointers to the order and the coefficients must not be NULL")
-      end if
+      call check_place(present(order), "order", c%error)
+      call check_place(max_order == 0 .or. c_associated(phi), "coefficients", c%error)
       call check_aligned(phi, c%error)
-      options%max_order = max_order
-      if (present(opt)) call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
-      if (present(opt) .and. ok(c)) then
-         call take_text(opt%method, options%method, c%error)
-         call take_text(opt%criterion, options%criterion, c%error)
-         options%order = opt%order
-         if (opt%order > max_order .and. ok(c)) call fatal_error(c%error, &
-            status%invalid_argument, "the order of the options exceeds max_order")
-      end if
+      call read_ar_options(options, max_order, c, opt)
       call open_series(x, n, c)
       call check_apart([x, phi], 8*[n, int(max_order, c_int64_t)], c%error)
       if (ok(c)) call fit_ar(c%x, options, model, c%error, c%valid, progress=c%callback)
-      if (ok(c)) call check_finite([model%coefficient, model%noise_variance, model%mean], c%error)
-      if (ok(c)) then
-         order = int(model%order, c_int32_t)
-         call copy_out([model%coefficient, spread(0.0_c_double, 1, max_order - model%order)], phi)
-         if (present(noise_variance)) noise_variance = model%noise_variance
-         if (present(mean)) mean = model%mean
-      end if
+      if (ok(c)) call give_model(model, max_order, order, phi, c%error, noise_variance, mean)
       gyroakf_ar_fit = leave_library(c, err)
    end function gyroakf_ar_fit
+
+   subroutine give_model(model, max_order, order, phi, error, noise_variance, mean)
+      type(ar_model_type), intent(in) :: model
+      integer(c_int32_t), intent(in) :: max_order
+      integer(c_int32_t), intent(inout) :: order
+      type(c_ptr), intent(in) :: phi
+      type(error_type), allocatable, intent(inout) :: error
+      real(c_double), intent(inout), optional :: noise_variance, mean
+
+      call check_finite([model%coefficient, model%noise_variance, model%mean], error)
+      if (allocated(error)) return
+      order = int(model%order, c_int32_t)
+      call copy_out([model%coefficient, spread(0.0_c_double, 1, max_order - model%order)], phi)
+      if (present(noise_variance)) noise_variance = model%noise_variance
+      if (present(mean)) mean = model%mean
+   end subroutine give_model
+
+   subroutine read_ar_options(options, max_order, c, opt)
+      type(ar_options), intent(inout) :: options
+      integer(c_int32_t), intent(in) :: max_order
+      type(call_type), intent(inout) :: c
+      type(ar_options_c), intent(in), optional :: opt
+
+      if (max_order < 0 .or. max_order > largest_order) call fatal_error(c%error, &
+         & status%invalid_argument, "max_order must be 0 .. 1000")
+      options%max_order = max_order
+      if (.not. present(opt)) return
+      call open_options(opt%struct_size, c_sizeof(opt), opt%progress, c)
+      if (.not. ok(c)) return
+      call take_text(opt%method, options%method, c%error)
+      call take_text(opt%criterion, options%criterion, c%error)
+      options%order = opt%order
+      if (opt%order > max_order .and. ok(c)) call fatal_error(c%error, &
+         & status%invalid_argument, "the order of the options exceeds max_order")
+   end subroutine read_ar_options
 
 end module gyroakf_c_api_c_series

@@ -62,23 +62,41 @@ contains
       if (info /= 0) return
       call enter_library(c)
       options%kind = kinds(kind)
-      call open_series(c_loc(x), int(n, c_int64_t), c)
-      if (ok(c)) call compute_allan(c%x, dt, options, curve, c%error, c%valid)
-      if (ok(c)) then
-         if (curve%kind == "oadev") call fit_noise(curve, noise_options(), noise, unfitted)
-         nt = size(curve%tau)
-         if (nt > maxt) then
-            info = -5
-         else
-            tau(:nt) = curve%tau
-            dev(:nt) = curve%deviation
-            dlo(:nt) = curve%lower
-            dhi(:nt) = curve%upper
-            edf(:nt) = curve%edf
-         end if
-      end if
+      call find_curve(n, x, dt, options, curve, c)
+      if (ok(c) .and. curve%kind == "oadev") call fit_noise(curve, noise_options(), noise, unfitted)
+      if (ok(c)) call copy_curve(curve, maxt, nt, tau, dev, dlo, dhi, edf, info)
       info = info + leave_library(c)
    end subroutine gyadev
+
+   subroutine find_curve(n, x, dt, options, curve, c)
+      integer(c_int32_t), intent(in) :: n
+      real(c_double), intent(in), target :: x(*)
+      real(c_double), intent(in) :: dt
+      type(allan_options), intent(in) :: options
+      type(allan_curve_type), intent(out) :: curve
+      type(call_type), intent(inout) :: c
+
+      call open_series(c_loc(x), int(n, c_int64_t), c)
+      if (ok(c)) call compute_allan(c%x, dt, options, curve, c%error, c%valid)
+   end subroutine find_curve
+
+   subroutine copy_curve(curve, maxt, nt, tau, dev, dlo, dhi, edf, info)
+      type(allan_curve_type), intent(in) :: curve
+      integer(c_int32_t), intent(in) :: maxt
+      integer(c_int32_t), intent(out) :: nt
+      real(c_double), intent(inout) :: tau(*), dev(*), dlo(*), dhi(*), edf(*)
+      !> -5 where they are more than `maxt`
+      integer(c_int32_t), intent(inout) :: info
+
+      nt = size(curve%tau)
+      if (nt > maxt) info = -5
+      if (info /= 0) return
+      tau(:nt) = curve%tau
+      dev(:nt) = curve%deviation
+      dlo(:nt) = curve%lower
+      dhi(:nt) = curve%upper
+      edf(:nt) = curve%edf
+   end subroutine copy_curve
 
    !> CALL GYNFIT(N, X, DT, COEF, SE, UPPER, IDET, CHI2, INFO)
    subroutine gynfit(n, x, dt, coef, se, upper, idet, chi2, info) bind(C, name="gynfit_")
@@ -95,8 +113,7 @@ contains
       info = first_bad([n < 2])
       if (info /= 0) return
       call enter_library(c)
-      call open_series(c_loc(x), int(n, c_int64_t), c)
-      if (ok(c)) call compute_allan(c%x, dt, allan_options(), curve, c%error, c%valid)
+      call find_curve(n, x, dt, allan_options(), curve, c)
       if (ok(c)) call fit_noise(curve, noise_options(), noise, c%error)
       if (ok(c)) then
          coef = noise%coefficient%value
@@ -169,12 +186,8 @@ contains
       if (lwork < packed_length(max(1, ip))) info = -8
       if (info /= 0) return
       call enter_library(c)
-      options%estimate_process_mean = iadapt(1) /= 0
-      options%estimate_measurement_mean = iadapt(2) /= 0
-      options%allow_unobservable = .true.           ! who asks for q and r by number means both
-      options%estimate_process_variance = iadapt(3) /= 0
-      options%estimate_measurement_variance = iadapt(4) /= 0
-      options%forgetting = b
+      options = filter_options(iadapt(1) /= 0, iadapt(2) /= 0, iadapt(3) /= 0, iadapt(4) /= 0, b, &
+         & allow_unobservable=.true.)               ! who asks for q and r by number means both
       call new_filter(filter, phi(:ip), q, r, options, c%error)
       if (ok(c)) call pack_filter(filter, work(:packed_length(filter%order)))
       info = leave_library(c)

@@ -20,7 +20,7 @@ module gyroakf_simulate_noise
    use gyroakf_kinds, only : dp, int64
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : check_memory, error_type, fatal_error, status
-   use gyroakf_fft, only : convolve
+   use gyroakf_fft_convolution, only : convolve
    use gyroakf_random, only : random_type, next_normal, next_uniform, next_laplace, next_t5
    implicit none (type, external)
    private

@@ -8,7 +8,7 @@ module gyroakf_stats_fisher
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_error, only : check_memory, error_type, fatal_error, status
    use gyroakf_special, only : log1p
-   use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
+   use gyroakf_fft_real, only : real_fft_plan_type, new_real_fft_plan, real_fft_forward
    use gyroakf_chunks, only : block_length
    use gyroakf_stats_extremes, only : scan_extremes
    implicit none (type, external)

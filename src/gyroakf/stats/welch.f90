@@ -8,7 +8,7 @@ module gyroakf_stats_welch
    use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_progress, only : progress_type, report_progress
    use gyroakf_special, only : chi_square_quantile
-   use gyroakf_fft, only : real_fft_plan_type, new_real_fft_plan
+   use gyroakf_fft_real, only : real_fft_plan_type, new_real_fft_plan
    use gyroakf_stats_welch_segment, only : make_window, add_segments, segment_type
    implicit none (type, external)
    private

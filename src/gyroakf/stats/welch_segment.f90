@@ -4,7 +4,7 @@ module gyroakf_stats_welch_segment
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : check_memory, error_type
    use gyroakf_progress, only : progress_type, report_progress
-   use gyroakf_fft, only : real_fft_plan_type, real_fft_forward
+   use gyroakf_fft_real, only : real_fft_plan_type, real_fft_forward
    use gyroakf_stats_moments, only : first_present
    implicit none (type, external)
    private
