@@ -133,7 +133,7 @@ examples() { # every example builds, runs, and prints what example/output/ says,
   ./setup.sh fpm run --example --all --runner ci/example.sh
 }
 
-benches() { # every program of bench/ and validation/ still builds
+benches() { # the Fortran programs of bench/ and validation/ still build
   local file failed=0
   for file in bench/*/fpm.toml validation/*/fpm.toml; do
     (cd "$(dirname "$file")" && ../../setup.sh fpm build) || failed=1

@@ -68,8 +68,32 @@ contains
          call check(error, abs(best%model%phi(1) - 0.98_dp) <= 4*best%std_error%phi(1))
          call check(error, abs(best%model%q(1) - 3.96e-6_dp) <= 4*best%std_error%q(1))
          call check(error, abs(best%model%r - 4.2e-4_dp) <= 4*best%std_error%r)
+         call check(error, slope(z - fit%mean, best%model, best%std_error%phi(1), 0.0_dp, 0.0_dp) <= 1e-5_dp, "not the top: phi")
+         call check(error, slope(z - fit%mean, best%model, 0.0_dp, best%std_error%q(1), 0.0_dp) <= 1e-5_dp, "not the top: q")
+         call check(error, slope(z - fit%mean, best%model, 0.0_dp, 0.0_dp, best%std_error%r) <= 1e-5_dp, "not the top: r")
       end associate
    end subroutine test_ar1
+
+   !> Slope of the log-likelihood of an AR(1) model, a standard error being the unit: a central difference over 2e-3 of them.
+   real(dp) function slope(z, model, phi, q, r)
+      real(dp), intent(in) :: z(:)
+      type(component_model_type), intent(in) :: model
+      !> Standard errors of what is moved, 0 of the others
+      real(dp), intent(in) :: phi, q, r
+      real(dp), parameter :: h = 1.0e-3_dp
+      type(component_model_type) :: moved
+      real(dp) :: value(2)
+      integer :: side
+
+      do side = 1, 2
+         moved = model
+         moved%phi(1) = model%phi(1) + merge(h, -h, side == 1)*phi
+         moved%q(1) = model%q(1) + merge(h, -h, side == 1)*q
+         moved%r = model%r + merge(h, -h, side == 1)*r
+         call component_likelihood(moved, z, value(side), failed)
+      end do
+      slope = abs(value(1) - value(2))/(2*h)
+   end function slope
 
    !> No model ends below one that it contains, but for the diffuse start of the random walk:
    !> $$ \ln (\mathbf 1^T \Sigma^{-1} \mathbf 1) - \ln 2\pi $$

@@ -9,6 +9,7 @@ module test_filter_saving
    use gyroakf_filter_kalman, only : drift_filter_type, filter_options, filter_type, freeze_filter, new_filter, run_filter
    use gyroakf_filter_design, only : design_drift_akf, drift_options
    use gyroakf_filter_drift_identification, only : drift_identification_type
+   use gyroakf_filter_checksum, only : checksum
    use gyroakf_filter_saving, only : reset_filter, restore_filter, save_filter
    use filter_library, only : fill_noise
    implicit none (type, external)
@@ -165,6 +166,11 @@ contains
       call check_refused(failed, status%parse)
       bad = word
       bad(6:7) = word([7, 6])
+      call restore_filter(bad, other, failed)
+      call check_refused(failed, status%parse)
+      bad = word
+      bad(5) = 0                                      ! as a filter of an AR state
+      bad(4) = checksum(bad(5:))
       call restore_filter(bad, other, failed)
       call check_refused(failed, status%parse)
    end subroutine test_damaged

@@ -123,9 +123,10 @@ contains
       type(ljung_box_type) :: lb
       real(dp), allocatable :: r(:)
       real(dp) :: mean
+      integer :: k
 
       call compute_autocovariance(reference_series("wn", 1000), 4, mean, r, problem)
-      call ljung_box_of(r, 1000_int64, 2, lb, problem)
+      call ljung_box_of(r, 1000_int64, 2, lb, problem, [(int(1000 - k, int64), k=0, 4)])
       call check(error, lb%p_value, exp(-0.5_dp*lb%statistic), thr=tolerance)
       call check(error, lb%fitted, 2)
    end subroutine test_fitted
@@ -191,7 +192,7 @@ contains
       end do
       call check(error, c%pacf(2), -0.48181643820724285_dp, thr=tolerance)
       call check(error, maxval(abs(c%pacf(3:))) < 0.04_dp .and. c%partial_lags == 40, "beyond the order")
-      call correlation_of([1.0_dp, 1.0_dp, 1.0_dp], 1000_int64, 0, c, problem)
+      call correlation_of([1.0_dp, 1.0_dp, 1.0_dp], 1000_int64, 0, c, problem, [1000_int64, 999_int64, 998_int64])
       call check(error, c%partial_lags == 0 .and. all(abs(c%pacf(1:)) <= 0.0_dp), "perfectly predicted")
    end subroutine test_partial
 

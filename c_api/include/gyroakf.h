@@ -503,7 +503,7 @@ GYROAKF_API int gyroakf_ar_fit(const double *x, int64_t n, const gyroakf_ar_opti
 
 /* ------------------------------------------------------------------------------------------------------------ filter */
 
-/* A Kalman filter of an AR(p) state in white noise, fixed or adaptive (Sage-Husa). */
+/* A Kalman filter of an AR(p) state, or of a drift (gyroakf_drift_filter_new), in white noise; fixed or adaptive (Sage-Husa). */
 typedef struct gyroakf_filter gyroakf_filter;
 
 typedef struct gyroakf_filter_options {
@@ -607,7 +607,7 @@ GYROAKF_API int gyroakf_filter_save(const gyroakf_filter *f, void *bytes, int64_
 
 /*
  * The filter of bytes [size] that gyroakf_filter_save wrote; goes to gyroakf_filter_free. GYROAKF_PARSE: the bytes are none of a
- * filter, of a later version, of a machine with another order of bytes, cut short or damaged (the message says which).
+ * filter, of another version of their form, of a machine with another order of bytes, cut short or damaged (the message says which).
  */
 GYROAKF_API int gyroakf_filter_restore(const void *bytes, int64_t size, gyroakf_filter **out, gyroakf_error *err);
 

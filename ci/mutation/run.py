@@ -11,9 +11,6 @@ Works in a copy of the tree, build/mutation, which is kept: a second run builds 
 tests that it names run first; where they pass, all suites, the tests of the C interface and those of the command line.
 One line a mutant; the last line is "N caught of M". Exit code 0: at least 95 % are caught; 1: fewer; 2: the list does
 not fit the sources, a mutant does not compile, or the tests of the unbroken library fail.
-
-GYROAKF_MUTATION_BUILD   a command that builds in the current directory and prints as its last line the folder that
-                         then holds test_main, test_c_api and gyroakf; default: fpm through ./setup.sh, with -O1
 """
 import os
 import re
@@ -98,30 +95,20 @@ def run(command, seconds=None):
     """Exit code and output of a command in the copy; 'timeout' as the code where it does not end."""
     try:
         done = subprocess.run(command, cwd=TREE, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, errors="replace", timeout=seconds, shell=isinstance(command, str))
+                              text=True, errors="replace", timeout=seconds)
     except subprocess.TimeoutExpired as late:
         return "timeout", (late.stdout or b"").decode(errors="replace")
     return done.returncode, done.stdout
 
 
 def build():
-    """Builds the copy: the paths of the programs, or None and what the compiler said."""
-    command = os.environ.get("GYROAKF_MUTATION_BUILD")
-    if command:
-        code, output = run(command)
-        folder = TREE / output.splitlines()[-1] if code == 0 else None
-        return ({name: folder / name for name in ("test_main", "test_c_api", "gyroakf")} if folder else None), output
-    os.environ.setdefault("FPM_FFLAGS", "-O1 -ffp-contract=off -fPIC")
-    programs, said = {}, ""
-    for command in (["./setup.sh", "fpm", "test", "--runner", "echo"], ["./setup.sh", "fpm", "run", "gyroakf", "--runner", "echo"]):
-        code, output = run(command)
-        said += output
-        if code:
-            return None, said
-        for line in output.split():
-            name = Path(line).name
-            programs["test_main" if name == "main" else name] = TREE / line
-    return programs, said
+    """Builds the copy by CMake, which compiles again what uses a module only where its interface changes: the paths of
+    the programs, or None and what the compiler said."""
+    os.environ["GYROAKF_CMAKE"] = "1"
+    code, output = run(["ci/cmake.sh", "--only", "gyroakf_program test_main test_c_api"])
+    folder = TREE / "build" / "cmake" / "shared"
+    programs = {name: folder / "test" / name for name in ("test_main", "test_c_api")} | {"gyroakf": folder / "gyroakf"}
+    return (programs if code == 0 else None), output
 
 
 def command_of(test, programs):

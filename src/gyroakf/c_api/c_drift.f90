@@ -86,33 +86,22 @@ contains
       type(component_model_type) :: components
       type(filter_options) :: options
       type(handle_type), pointer :: handle
+      type(drift_filter_type), allocatable :: filter
       logical :: slow(most_components)
+      integer :: stat
 
       call enter_library(c)
       call new_handle(handle, c%error, out)
       call read_options(options, c%error, opt)
       call read_model(components, slow, c%error, model)
-      if (ok(c)) call make_filter(components, slow(:components%count), options, handle, c%error)
+      allocate (filter, stat=stat)
+      call check_memory(stat, "a filter", c%error)
+      if (ok(c)) call new_drift_filter(filter, components, slow(:components%count), options, &
+         & c%error)
+      if (ok(c)) call move_alloc(filter, handle%filter)
       call hand_over(handle, c%error, out)
       gyroakf_drift_filter_new = leave_library(c, err)
    end function gyroakf_drift_filter_new
-
-   subroutine make_filter(model, slow, options, handle, error)
-      type(component_model_type), intent(in) :: model
-      logical, intent(in) :: slow(:)
-      type(filter_options), intent(in) :: options
-      type(handle_type), intent(inout) :: handle
-      type(error_type), allocatable, intent(out) :: error
-      integer :: stat
-
-      allocate (drift_filter_type :: handle%filter, stat=stat)
-      call check_memory(stat, "a filter", error)
-      if (allocated(error)) return
-      select type (filter => handle%filter)
-      type is (drift_filter_type)
-         call new_drift_filter(filter, model, slow, options, error)
-      end select
-   end subroutine make_filter
 
    integer(c_int) function gyroakf_drift_smooth(model, z, n, drift, variance, opt, err) bind(C)
       type(drift_model_c), intent(in), optional :: model

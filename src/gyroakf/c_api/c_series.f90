@@ -92,7 +92,7 @@ contains
    end function gyroakf_adf_test
 
    subroutine read_adf_options(options, c, opt)
-      type(adf_options), intent(inout) :: options
+      type(adf_options), intent(out) :: options
       type(call_type), intent(inout) :: c
       type(adf_options_c), intent(in), optional :: opt
 
@@ -135,7 +135,7 @@ contains
    end function gyroakf_kpss_test
 
    subroutine read_kpss_options(options, c, opt)
-      type(kpss_options), intent(inout) :: options
+      type(kpss_options), intent(out) :: options
       type(call_type), intent(inout) :: c
       type(kpss_options_c), intent(in), optional :: opt
 
@@ -196,12 +196,12 @@ contains
    end subroutine give_model
 
    subroutine read_ar_options(options, max_order, c, opt)
-      type(ar_options), intent(inout) :: options
+      type(ar_options), intent(out) :: options
       integer(c_int32_t), intent(in) :: max_order
       type(call_type), intent(inout) :: c
       type(ar_options_c), intent(in), optional :: opt
 
-      if (max_order < 0 .or. max_order > largest_order) call fatal_error(c%error, &
+      if (ok(c) .and. (max_order < 0 .or. max_order > largest_order)) call fatal_error(c%error, &
          & status%invalid_argument, "max_order must be 0 .. 1000")
       options%max_order = max_order
       if (.not. present(opt)) return

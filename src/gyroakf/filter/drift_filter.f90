@@ -54,7 +54,7 @@ contains
       if (.not. allocated(error)) call check_drift_options(model, slow, options, error)
       if (allocated(error)) return
       allocate (filter%phi(1), filter%x(1), filter%p(1, 1), filter%gain(1), filter%gain_sum(1), &
-         filter%steady_gain(1), filter%work(1))
+         filter%steady_gain(1))
       filter%order = 1
       ! what is beyond the count is anything
       filter%model%count = model%count
@@ -71,7 +71,6 @@ contains
       if (.not. options%r_scale > 0.0_dp) filter%options%r_scale = model%r &
          + sum(model%q(:model%count)/(1.0_dp + model%phi(:model%count)))
       filter%gain_sum = 0.0_dp
-      filter%work = 0.0_dp
       call set_adaptation(filter%filter_type)
       call start_components(model, filter%state)
       if (options%initial_variance > 0.0_dp) then

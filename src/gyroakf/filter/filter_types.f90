@@ -59,7 +59,7 @@ module gyroakf_filter_filter_types
       real(dp), allocatable :: gain(:)
       !> Variances Q and R that the next step uses
       real(dp) :: q = 0, r = 0
-      !> Q and R that the filter was made with; in a drift filter those of the model
+      !> Q and R that the filter was made with; not set in a drift filter, whose model holds them
       real(dp) :: asked_q = 0, asked_r = 0
       !> Means q and r that the next step uses
       real(dp) :: q_mean = 0, r_mean = 0
@@ -113,7 +113,7 @@ module gyroakf_filter_filter_types
       logical :: slow(most_components) = .false.
       !> Estimates of the processes
       type(component_state_type) :: state
-      !> Sums of their gains, as `gain_sum`; the gains that they settle to
+      !> Sums of their gains where there are several (of one: `gain_sum`); those that they settle to
       real(dp) :: gain_sums(most_components) = 0, steady_gains(most_components) = 0
       !> The process that a shift of the level is laid upon: the random walk, or the slowest
       integer :: shifted = 0

@@ -66,22 +66,22 @@ contains
       integer(int64), intent(in) :: measurements
       !> Its diagnostics; gets the warnings
       type(filter_result_type), intent(inout) :: result
-      logical :: paper
+      logical :: of_drift
       character(24) :: p_value
 
       allocate (result%warnings(0))
-      ! its variances are not meant to be those of the series
-      paper = .true.
+      of_drift = .false.
       select type (filter)
       type is (drift_filter_type)
-         paper = .false.
+         of_drift = .true.
       end select
       call judge_adaptation(filter, measurements, result)
       ! a drift filter's output is not the rotation
-      if (result%dc_gain < attenuated .and. paper) then
+      if (result%dc_gain < attenuated .and. .not. of_drift) then
          call add_text(result%warnings, "of a constant true rotation the output keeps " &
             //trim(percent(result%dc_gain))//": do not navigate with it", note=.true.)
       end if
+      ! the variances of a filter of the AR state are not meant to be those of the series: a note
       p_value = "< 0.001"
       if (result%ljung_box%p_value >= 0.001_dp) write (p_value, "(a, f5.3)") "= ", &
          result%ljung_box%p_value
@@ -90,12 +90,12 @@ contains
                        //trim(decimal(result%ljung_box%largest_rho))//" within 20 lags (p " &
                        //trim(p_value) &
                        //", a good model leaves less than 0.10); the model does not describe " &
-                       //"the series", note=paper)
+                       //"the series", note=.not. of_drift)
       end if
       if (result%nis_mean < lowest_nis .or. result%nis_mean > highest_nis) then
          call add_text(result%warnings, "the mean normalized innovation squared is "// &
                        trim(decimal(result%nis_mean))//" (1 is consistent): the variances that " &
-                       //"the filter states are not those of the series", note=paper)
+                       //"the filter states are not those of the series", note=.not. of_drift)
       end if
       if (.not. any(abs(filter%phi) > 0.0_dp)) then
          call add_text(result%warnings, "the model is white noise: there is nothing to predict, " &

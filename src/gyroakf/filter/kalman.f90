@@ -43,18 +43,18 @@ contains
 
       zs(1) = z
       select type (filter)
-      type is (filter_type)
-         if (filter%order > 1) then
-            call step_order(filter, z, is_sample(z))
-            xs(1) = filter%x(1)
-         else
-            call run_scalar(filter, 1_int64, zs, xs)
-         end if
       type is (drift_filter_type)
          if (filter%model%count > 1) then
             call run_processes(filter, zs, xs)
          else
             call run_scalar(filter%filter_type, 1_int64, zs, xs, state=filter%state)
+         end if
+      class default
+         if (filter%order > 1) then
+            call step_order(filter, z, is_sample(z))
+            xs(1) = filter%x(1)
+         else
+            call run_scalar(filter, 1_int64, zs, xs)
          end if
       end select
       x = xs(1)
@@ -70,23 +70,24 @@ contains
       real(dp), intent(out), contiguous :: x(:)
       !> 1 where the measurement is present, 0 where it is missing, [n]
       integer(int8), intent(in), optional :: valid(:)
-      !> Innovations over their standard deviations, [n], 0 where missing
+      !> Innovations over their standard deviations, [n], 0 where missing (not contiguous, as valid:
+      !> gfortran 12 reads an absent contiguous array that is passed on)
       real(dp), intent(out), optional :: normalized_innovation(:)
       integer(int64) :: n
 
       n = size(z, kind=int64)
       select type (filter)
-      type is (filter_type)
-         if (filter%order > 1) then
-            call run_vector(filter, z, x, valid, normalized_innovation)
-         else
-            call run_scalar(filter, n, z, x, valid, normalized_innovation)
-         end if
       type is (drift_filter_type)
          if (filter%model%count > 1) then
             call run_processes(filter, z, x, valid, normalized_innovation)
          else
             call run_scalar(filter%filter_type, n, z, x, valid, normalized_innovation, filter%state)
+         end if
+      class default
+         if (filter%order > 1) then
+            call run_vector(filter, z, x, valid, normalized_innovation)
+         else
+            call run_scalar(filter, n, z, x, valid, normalized_innovation)
          end if
       end select
    end subroutine run_filter

@@ -4,8 +4,9 @@
 !> What is kept: what the filter was made of (coefficients, variances, options), and what its steps
 !> have changed since. What follows from the former (bounds, steady gain) is computed again by
 !> [[new_filter]] or [[new_drift_filter]], which test it too. The form is words of 64 bits: eight
-!> letters, version, number of words, checksum of the words behind it, then the numbers as they are
-!> in memory. Words of a machine with another order of bytes are refused by the first of them.
+!> letters, version, number of words, checksum of the words behind it, whether it is a drift filter,
+!> then the numbers as they are in memory. Words of a machine with another order of bytes are
+!> refused by the first of them.
 module gyroakf_filter_saving
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use gyroakf_kinds, only : dp, int64
@@ -47,7 +48,7 @@ contains
    subroutine save_filter(filter, word, error)
       !> Made by new_filter or new_drift_filter
       class(filter_type), intent(in) :: filter
-      !> Its words: [some 130 + p (p + 4)]
+      !> Its words: [42 + p (p + 4) or 79]
       integer(int64), allocatable, intent(out) :: word(:)
       !> invalid_argument (a filter that was never made), no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -64,7 +65,7 @@ contains
       end if
       box%writing = .true.
       allocate (copy, source=filter, stat=stat)
-      if (stat == 0) allocate (box%word(200 + filter%order*(filter%order + 8_int64)), stat=stat)
+      if (stat == 0) allocate (box%word(80 + filter%order*(filter%order + 4_int64)), stat=stat)
       call check_memory(stat, "the state of a filter", error)
       if (allocated(error)) return
       of_drift = same_type_as(filter, drift)
@@ -106,6 +107,7 @@ contains
          return
       end if
       box%word = word
+      of_drift = .false.
       call exchange(box, of_drift)
       if (of_drift) then
          allocate (drift_filter_type :: filter, stat=stat)
@@ -131,6 +133,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(filter_type) :: fresh
       type(drift_filter_type) :: fresh_drift
+      real(dp), allocatable :: p(:, :)
 
       if (filter%order < 1) then
          call fatal_error(error, status%invalid_argument, &
@@ -144,7 +147,10 @@ contains
          if (.not. allocated(error)) filter = fresh_drift
       type is (filter_type)
          call new_filter(fresh, filter%phi, filter%asked_q, filter%asked_r, filter%options, error)
-         if (.not. allocated(error)) filter = fresh
+         if (allocated(error)) return
+         call move_alloc(fresh%p, p)                        ! not copied: it may be large
+         filter = fresh
+         call move_alloc(p, filter%p)
       end select
    end subroutine reset_filter
 
@@ -157,11 +163,12 @@ contains
       call exchange(box, filter%order)
       if (filter%order < 1 .or. filter%order > largest_order) box%bad = .true.
       if (box%bad) return
-      if (.not. box%writing) allocate (filter%phi(filter%order))
+      if (.not. box%writing) allocate (filter%phi(filter%order), source=0.0_dp)
       call exchange(box, filter%phi)
-      call exchange(box, filter%asked_q)
-      call exchange(box, filter%asked_r)
       select type (filter)
+      type is (filter_type)
+         call exchange(box, filter%asked_q)
+         call exchange(box, filter%asked_r)
       type is (drift_filter_type)
          call exchange(box, filter%model%count)
          if (filter%model%count < 1 .or. filter%model%count > size(filter%slow) &
@@ -226,9 +233,8 @@ contains
          call exchange(box, filter%state%x)
          call exchange(box, filter%state%p)
          call exchange(box, filter%state%gain)
-         call exchange(box, filter%state%innovation)
-         call exchange(box, filter%state%variance)
          call exchange(box, filter%state%started)
+         if (.not. (filter%state%started .or. filter%state%walk > 0)) box%bad = .true.
       end select
    end subroutine exchange_state
 

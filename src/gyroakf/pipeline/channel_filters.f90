@@ -244,32 +244,34 @@ contains
       !> What messages call it
       character(*), intent(out) :: title
       type(error_type), allocatable, intent(out) :: error
-      type(filter_type), allocatable :: of_series
-      type(drift_filter_type), allocatable :: of_drift
+      type(filter_type), allocatable :: ar_filter
+      type(drift_filter_type), allocatable :: drift_filter
       integer :: stat
 
-      allocate (of_series, stat=stat)
-      if (stat == 0) allocate (of_drift, stat=stat)
+      title = ""
+      allocate (ar_filter, stat=stat)
+      if (stat == 0) allocate (drift_filter, stat=stat)
       call check_memory(stat, "a filter", error)
       if (allocated(error)) return
       select case (name)
       case ("kf")
          title = "Kalman filter"
-         call design_kf(channel%filter_ar, job%options%design, of_series, error)
+         call design_kf(channel%filter_ar, job%options%design, ar_filter, error)
       case ("akf")
          title = "adaptive Kalman filter"
-         call design_akf(channel%filter_ar, differences, job%options%design, of_series, error)
+         call design_akf(channel%filter_ar, differences, job%options%design, ar_filter, error)
       case ("drift_kf")
          title = "drift Kalman filter"
-         call design_drift_kf(channel%drift, of_drift, error)
+         call design_drift_kf(channel%drift, drift_filter, error)
       case default
          title = "adaptive drift filter"
-         call design_drift_akf(channel%drift, differences, job%options%drift, of_drift, error)
+         call design_drift_akf(channel%drift, differences, job%options%drift, drift_filter, &
+                               error)
       end select
       if (index(name, "drift") == 1) then
-         call move_alloc(of_drift, filter)
+         call move_alloc(drift_filter, filter)
       else
-         call move_alloc(of_series, filter)
+         call move_alloc(ar_filter, filter)
       end if
    end subroutine design_filter
 

@@ -136,10 +136,9 @@ contains
       end associate
       if (lags <= ubound(shared%r, 1)) then
          r = shared%r(0:lags)
-         if (associated(job%valid)) pairs = shared%pairs(0:lags)
+         pairs = shared%pairs(0:lags)
       else
          call compute_autocovariance(z, lags, mean, r, error, job%valid, pairs, job%progress)
-         if (.not. associated(job%valid) .and. allocated(pairs)) deallocate (pairs)
       end if
       if (.not. allocated(error)) then
          call ljung_box_of(r, n, 0, channel%ljung_box, error, pairs)

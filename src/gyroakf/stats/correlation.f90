@@ -91,10 +91,10 @@ contains
       type(correlation_type), intent(out) :: result
       !> invalid_argument, too_few_samples, constant_input, no_memory
       type(error_type), allocatable, intent(out) :: error
-      !> Present pairs at each lag: [0:h]; without it there are no gaps
-      integer(int64), intent(in), optional :: pairs(0:)
+      !> Present pairs at each lag: [0:h]
+      integer(int64), intent(in) :: pairs(0:)
       type(ljung_box_type) :: whole
-      integer :: h, k, stat
+      integer :: h, stat
 
       call ljung_box_of(r, n, fitted, whole, error, pairs)
       if (allocated(error)) return
@@ -114,11 +114,8 @@ contains
       result%variance = r(0)
       result%largest_rho = whole%largest_rho
       result%largest_lag = whole%largest_lag
-      do k = 0, h
-         result%pairs(k) = n - int(k, int64)
-         if (present(pairs)) result%pairs(k) = pairs(k)
-         result%acf(k) = r(k)/r(0)
-      end do
+      result%pairs(:) = pairs
+      result%acf(:) = r/r(0)
       result%observations = result%pairs(0)
       call set_limits_and_tests(result)
       call partial_autocorrelation(result%acf, result%pacf, result%partial_lags, stat)

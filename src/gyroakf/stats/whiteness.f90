@@ -73,17 +73,16 @@ contains
       type(ljung_box_type), intent(out) :: result
       !> invalid_argument, too_few_samples, constant_input
       type(error_type), allocatable, intent(out) :: error
-      !> Present pairs at each lag: [0:h]; without it there are no gaps
-      integer(int64), intent(in), optional :: pairs(0:)
-      real(dp) :: rho, weight, used
+      !> Present pairs at each lag: [0:h]
+      integer(int64), intent(in) :: pairs(0:)
+      real(dp) :: rho, used
       integer :: k, h
       character(120) :: text
 
       h = ubound(r, 1)
       call check_lags(h, fitted, error)
       if (allocated(error)) return
-      used = real(n, dp)
-      if (present(pairs)) used = real(pairs(0), dp)
+      used = real(pairs(0), dp)
       if (n <= int(h, int64) .or. used < 2.0_dp) then
          write (text, "(3(a, i0))") "the Ljung-Box test with ", h, " lags needs more than ", h, &
             & " samples, there are ", n
@@ -95,10 +94,8 @@ contains
          return
       end if
       do k = 1, h
-         weight = real(n - k, dp)
-         if (present(pairs)) weight = real(pairs(k), dp)
          rho = r(k)/r(0)*(real(n, dp)/real(n - k, dp))
-         result%statistic = result%statistic + weight*rho*rho*((used + 2.0_dp)/used)
+         result%statistic = result%statistic + real(pairs(k), dp)*rho*rho*((used + 2.0_dp)/used)
          if (abs(r(k)/r(0)) <= result%largest_rho) cycle
          result%largest_rho = abs(r(k)/r(0))
          result%largest_lag = k
