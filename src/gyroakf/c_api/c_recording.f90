@@ -147,8 +147,8 @@ contains
       integer(c_int32_t), intent(in) :: channels
       integer(c_int64_t), intent(in) :: n
       type(record_type), intent(inout) :: record
-      !> invalid_argument: numbers out of range, an array is NULL or at an odd address; no_memory;
-      !> cancelled
+      !> Its errors are invalid_argument (numbers out of range, an array NULL or at an odd address),
+      !> no_memory, cancelled
       type(call_type), intent(inout) :: c
       type(c_ptr), pointer :: given(:)
       real(c_double), pointer, contiguous :: x(:)
