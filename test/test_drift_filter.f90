@@ -450,7 +450,14 @@ contains
       end do
       if (not_made(filter, model, [.true., .true., .true.], adaptive())) return
       call filter_series(filter, z, x, result, failure)
-      call check(error, size(result%estimate) == 1 .and. result%forgetting > 0, "the adaptation is not named")
+      call check(error, size(result%estimate) == 1 .and. result%forgetting > 0, &
+         "the adaptation is not named")
+      ! no measurement in the last third: the last gain stands for its mean
+      z(n - n/3 + 1:) = ieee_value(1.0_dp, ieee_quiet_nan)
+      if (not_made(filter, model, [.true., .true., .true.], filter_options())) return
+      call filter_series(filter, z, x, result, failure)
+      call check(error, result%dc_gain, 1.0_dp, thr=rounding)
+      call check(error, result%gain, filter%steady_gain(1), thr=1.0e-9_dp, rel=.true.)
    end subroutine test_diagnostics
 
    !> What a drift filter is not made of

@@ -45,24 +45,30 @@ contains
       !> Differences at most: 2 (if absent) or 3
       integer, intent(in), optional :: differences
 
-      real(dp) :: coverage(size(m))
-      integer :: i, most, last, stat(size(m))
+      real(dp), allocatable :: coverage(:)
+      integer :: i, most, last, stat, failed
 
+      allocate (coverage(size(m)), stat=stat)
+      call check_memory(stat, "the averaging times of a noise identification", error)
+      if (allocated(error)) return
       coverage = min_coverage
       if (present(missing)) call window_coverage(missing, m, min_coverage, coverage)
       most = 2
       if (present(differences)) most = differences
-      !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from)
+      failed = 0
+      !$omp parallel do schedule(dynamic) if (ubound(phase, 1, kind=int64) >= parallel_from) &
+      !$omp & private(stat) reduction(max: failed)
       do i = 1, size(m)
          ! an absent array is not passed on from inside a parallel region
          if (present(missing)) then
-            call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i), missing)
+            call identify_one(phase, m(i), coverage(i), most, alpha(i), stat, missing)
          else
-            call identify_one(phase, m(i), coverage(i), most, alpha(i), stat(i))
+            call identify_one(phase, m(i), coverage(i), most, alpha(i), stat)
          end if
+         failed = max(failed, abs(stat))
       end do
       !$omp end parallel do
-      call check_memory(maxval(abs(stat)), "the means of a noise identification", error)
+      call check_memory(failed, "the means of a noise identification", error)
       last = 0
       do i = 1, size(m)
          if (alpha(i) == unknown) alpha(i) = last

@@ -53,8 +53,8 @@ contains
       if (.not. allocated(error)) call check_options(options, error)
       if (.not. allocated(error)) call check_drift_options(model, slow, options, error)
       if (allocated(error)) return
-      allocate (filter%phi(1), filter%x(1), filter%p(1, 1), filter%gain(1), filter%gain_sum(1), &
-         filter%steady_gain(1))
+      allocate (filter%phi(1), filter%x(1), filter%p(1, 1), filter%gain(1), &
+         filter%gain_sum(model%count), filter%steady_gain(1))
       filter%order = 1
       ! what is beyond the count is anything
       filter%model%count = model%count

@@ -96,8 +96,7 @@ contains
                if (filter%settled) state%gain(:n) = filter%steady_gains(:n)
             end if
          end if
-         filter%gain_sums(:n) = filter%gain_sums(:n) + state%gain(:n)
-         filter%gain_sum(1) = filter%gain_sum(1) + sum(state%gain(:n), mask=filter%slow(:n))
+         filter%gain_sum(:n) = filter%gain_sum(:n) + state%gain(:n)
       end associate
       filter%gain_measurements = filter%gain_measurements + 1
       filter%measurements = filter%measurements + 1

@@ -77,7 +77,8 @@ contains
       last = 0
       do while (last < n)
          if (last == 0 .or. last == third) then               ! a new mean of the gain
-            call start_gain_sums(filter)
+            filter%gain_sum = 0.0_dp
+            filter%gain_measurements = 0
          end if
          if (last >= next_report) then
             next_report = last + report_samples
@@ -89,7 +90,7 @@ contains
          m = int(last - first + 1)
          here(:m) = merge(1_int8, 0_int8, is_sample(z(first:last)))
          if (present(valid)) here(:m) = merge(here(:m), 0_int8, valid(first:last) /= 0_int8)
-         begins = is_unknown(filter)
+         begins = starts_unknown(filter)
          call run_filter(filter, z(first:last), x(first:last), here(:m), nu(1:m))
          call compute_moments(x(first:last), block, here(:m))
          call join_moments(output, block)
@@ -109,28 +110,16 @@ contains
       call conclude(filter, sums, result, error)
    end subroutine filter_series
 
-   !> A new mean of the gains.
-   pure subroutine start_gain_sums(filter)
-      class(filter_type), intent(inout) :: filter
-
-      filter%gain_sum = 0.0_dp
-      filter%gain_measurements = 0
-      select type (filter)
-      type is (drift_filter_type)
-         filter%gain_sums = 0.0_dp
-      end select
-   end subroutine start_gain_sums
-
    !> Whether the state is a random walk that has not met its first measurement.
-   pure logical function is_unknown(filter)
+   pure logical function starts_unknown(filter)
       class(filter_type), intent(in) :: filter
 
-      is_unknown = .false.
+      starts_unknown = .false.
       select type (filter)
       type is (drift_filter_type)
-         is_unknown = .not. filter%state%started
+         starts_unknown = .not. filter%state%started
       end select
-   end function is_unknown
+   end function starts_unknown
 
    !> Refuses arrays that do not fit, a filter that was not made, and a series that is too short.
    subroutine check_series(filter, z, output, error, valid)
@@ -170,13 +159,10 @@ contains
       real(dp), intent(in) :: sums(0:longest_lag, 4)
       type(filter_result_type), intent(inout) :: result
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: gain(size(filter%gain)), autocovariance(0:longest_lag), count
+      real(dp) :: autocovariance(0:longest_lag), count
       integer(int64) :: pairs(0:longest_lag)
 
-      gain = filter%gain
-      if (filter%gain_measurements > 0) gain = filter%gain_sum/real(filter%gain_measurements, dp)
-      result%gain = gain(1)
-      result%dc_gain = lasting_gain(filter, gain)
+      call conclude_gains(filter, result)
       result%q = filter%q
       result%r = filter%r
       result%q_mean = filter%q_mean
@@ -201,21 +187,30 @@ contains
       call list_warnings(filter, pairs(0), result)
    end subroutine conclude
 
+   !> Mean gain of the last third, and the DC gain with it.
+   pure subroutine conclude_gains(filter, result)
+      class(filter_type), intent(in) :: filter
+      type(filter_result_type), intent(inout) :: result
+      real(dp) :: gain(size(filter%gain_sum))
+
+      gain = filter%gain_sum/real(max(1_int64, filter%gain_measurements), dp)
+      select type (filter)
+      type is (drift_filter_type)
+         if (filter%gain_measurements == 0) gain = filter%state%gain(:size(gain))
+         result%gain = sum(gain, mask=filter%slow(:size(gain)))
+         result%dc_gain = drift_dc_gain(filter%model, filter%slow, gain)
+      class default
+         if (filter%gain_measurements == 0) gain = filter%gain
+         result%gain = gain(1)
+         result%dc_gain = lasting_gain(filter, gain)
+      end select
+   end subroutine conclude_gains
+
    !> DC gain in the end: an adapted mean takes up a part of a constant rate, or all of it.
    pure real(dp) function lasting_gain(filter, gain)
       class(filter_type), intent(in) :: filter
       real(dp), intent(in) :: gain(:)
 
-      select type (filter)
-      type is (drift_filter_type)
-         if (filter%model%count == 1) then
-            lasting_gain = drift_dc_gain(filter%model, filter%slow, gain)
-         else
-            lasting_gain = drift_dc_gain(filter%model, filter%slow, &
-               filter%gain_sums/real(max(1_int64, filter%gain_measurements), dp))
-         end if
-         return
-      end select
       associate (by_q => filter%options%estimate_process_mean, &
          by_r => filter%options%estimate_measurement_mean)
          if (by_q .and. by_r) then                      ! q = K r: one innovation drives both

@@ -75,7 +75,8 @@ module gyroakf_filter_filter_types
       integer(int64) :: measurements = 0
       !> Measurements at which Q was held at its lower bound, R at its lower bound
       integer(int64) :: q_at_floor = 0, r_at_floor = 0
-      !> Sum of the gains since `gain_measurements` was set to zero, [order]
+      !> Sum of the gains since `gain_measurements` was set to zero, [order]; of a drift filter that
+      !> of the gains of its processes, [model%count]
       real(dp), allocatable :: gain_sum(:)
       !> Measurements in `gain_sum`
       integer(int64) :: gain_measurements = 0
@@ -113,8 +114,8 @@ module gyroakf_filter_filter_types
       logical :: slow(most_components) = .false.
       !> Estimates of the processes
       type(component_state_type) :: state
-      !> Sums of their gains where there are several (of one: `gain_sum`); those that they settle to
-      real(dp) :: gain_sums(most_components) = 0, steady_gains(most_components) = 0
+      !> Gains that they settle to
+      real(dp) :: steady_gains(most_components) = 0
       !> The process that a shift of the level is laid upon: the random walk, or the slowest
       integer :: shifted = 0
    end type drift_filter_type

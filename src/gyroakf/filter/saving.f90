@@ -20,7 +20,7 @@ module gyroakf_filter_saving
    public :: save_filter, restore_filter, reset_filter
 
    !> First words: "GYROAKFF", version, words, checksum
-   integer(int64), parameter :: first_word = transfer("GYROAKFF", 0_int64), version = 3
+   integer(int64), parameter :: first_word = transfer("GYROAKFF", 0_int64), version = 4
    integer, parameter :: header = 4
    !> Largest state: as new_filter
    integer(int64), parameter :: largest_order = 1000
@@ -48,7 +48,7 @@ contains
    subroutine save_filter(filter, word, error)
       !> Made by new_filter or new_drift_filter
       class(filter_type), intent(in) :: filter
-      !> Its words: [42 + p (p + 4) or 79]
+      !> Its words: [42 + p (p + 4)], of n processes [75 + n]
       integer(int64), allocatable, intent(out) :: word(:)
       !> invalid_argument (a filter that was never made), no_memory
       type(error_type), allocatable, intent(out) :: error
@@ -229,7 +229,6 @@ contains
       call exchange(box, filter%settled)
       select type (filter)
       type is (drift_filter_type)
-         call exchange(box, filter%gain_sums)
          call exchange(box, filter%state%x)
          call exchange(box, filter%state%p)
          call exchange(box, filter%state%gain)

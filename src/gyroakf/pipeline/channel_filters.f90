@@ -244,35 +244,33 @@ contains
       !> What messages call it
       character(*), intent(out) :: title
       type(error_type), allocatable, intent(out) :: error
-      type(filter_type), allocatable :: ar_filter
-      type(drift_filter_type), allocatable :: drift_filter
+      logical :: adaptive
       integer :: stat
 
-      title = ""
-      allocate (ar_filter, stat=stat)
-      if (stat == 0) allocate (drift_filter, stat=stat)
+      adaptive = index(name, "akf") > 0
+      if (index(name, "drift") == 1) then
+         title = merge("adaptive drift filter", "drift Kalman filter  ", adaptive)
+         allocate (drift_filter_type :: filter, stat=stat)
+      else
+         title = merge("adaptive Kalman filter", "Kalman filter         ", adaptive)
+         allocate (filter_type :: filter, stat=stat)
+      end if
       call check_memory(stat, "a filter", error)
       if (allocated(error)) return
-      select case (name)
-      case ("kf")
-         title = "Kalman filter"
-         call design_kf(channel%filter_ar, job%options%design, ar_filter, error)
-      case ("akf")
-         title = "adaptive Kalman filter"
-         call design_akf(channel%filter_ar, differences, job%options%design, ar_filter, error)
-      case ("drift_kf")
-         title = "drift Kalman filter"
-         call design_drift_kf(channel%drift, drift_filter, error)
-      case default
-         title = "adaptive drift filter"
-         call design_drift_akf(channel%drift, differences, job%options%drift, drift_filter, &
-                               error)
+      select type (filter)
+      type is (drift_filter_type)
+         if (adaptive) then
+            call design_drift_akf(channel%drift, differences, job%options%drift, filter, error)
+         else
+            call design_drift_kf(channel%drift, filter, error)
+         end if
+      type is (filter_type)
+         if (adaptive) then
+            call design_akf(channel%filter_ar, differences, job%options%design, filter, error)
+         else
+            call design_kf(channel%filter_ar, job%options%design, filter, error)
+         end if
       end select
-      if (index(name, "drift") == 1) then
-         call move_alloc(drift_filter, filter)
-      else
-         call move_alloc(ar_filter, filter)
-      end if
    end subroutine design_filter
 
    !> Ratios of variances, and the RMSE where the true drift is known.
