@@ -3,16 +3,19 @@
 !> a terminal.
 module gyroakf_report_summary
    use gyroakf_kinds, only : int64
-   use gyroakf_record, only : record_type, text_type
+   use gyroakf_record, only : record_type, sample_count, text_type, view_channel
    use gyroakf_release, only : release_string
    use gyroakf_io_writer, only : put, put_line, writer_type
    use gyroakf_pipeline_result, only : channel_result_type, pipeline_result_type, stage_names
    use gyroakf_report_document, only : gather_warnings
-   use gyroakf_report_input, only : text_or
+   use gyroakf_report_input, only : has_unit, text_or, unit_name
    use gyroakf_report_json, only : json_text, json_type
-   use gyroakf_report_summary_row, only : add_channel_row, csv_row_type, put_channel, put_record
-   use gyroakf_report_text_layout, only : plural, put_paragraph, report_width
-   use gyroakf_report_text_table, only : add_row, column_widths, put_table, table_type
+   use gyroakf_report_summary_row, only : csv_row_type, put_channel, put_record
+   use gyroakf_report_text_answer, only : make_answer
+   use gyroakf_report_text_layout, only : count_text, if_known, number, plural, put_paragraph, &
+      report_width
+   use gyroakf_report_text_overview, only : make_overview
+   use gyroakf_report_text_table, only : add_row, column_widths, new_table, put_table, table_type
    use gyroakf_utf8, only : text_width
    implicit none (type, external)
    private
@@ -25,16 +28,18 @@ module gyroakf_report_summary
       integer :: code = 0
       !> What went wrong, "" where nothing did
       character(:), allocatable :: message
+      !> How many
+      integer :: warnings = 0
       !> Names of the columns of summary.csv, and its lines, each with its line feed
       character(:), allocatable :: csv_head, csv
       !> Element of "files" in summary.json, "" where there was no memory for it
       character(:), allocatable :: json
-      !> A row for each channel
-      type(table_type) :: table
+      !> Of each channel what the first screen of its file shows
+      type(table_type), allocatable :: table(:)
    end type summary_row_type
 
-   !> A file's name has at least so many characters in the table, and a channel's at most
-   integer, parameter :: least_name = 12, most_channel = 12
+   !> The name of a file and its channel has at least so many characters in the table
+   integer, parameter :: least_name = 20
    !> Maximum number of warnings of a file that are shown in full
    integer, parameter :: most_warnings = 3
 
@@ -70,6 +75,7 @@ contains
       if (present(message)) row%message = message
       row%csv = ""
       call gather_warnings(record, warnings, result)
+      row%warnings = size(warnings)
       ! as deep as it stands in the whole document
       call json%open("")
       call json%open("files", list=.true.)
@@ -84,6 +90,7 @@ contains
       call json%open("channels", list=.true.)
       n = 1
       if (allocated(record%channel)) n = size(record%channel)
+      allocate (row%table(merge(n, 0, allocated(record%channel))))
       do c = 1, n
          if (present(result)) call add_channel(result%channel(c))
          if (.not. present(result)) call add_channel(nothing)
@@ -115,9 +122,39 @@ contains
          call put_channel(csv, record, c, channel)
          row%csv_head = csv%head
          row%csv = row%csv//csv%line//new_line("a")
-         call add_channel_row(row%table, command, text_or(path, ""), record, c, channel, &
-                              size(warnings), row%code /= 0)
+         if (allocated(record%channel)) call make_table(row%table(c))
       end subroutine add_channel
+
+      !> The rows of the first screen, with the name of the file in front.
+      subroutine make_table(table)
+         type(table_type), intent(out) :: table
+         type(record_type) :: view
+         integer :: i
+
+         call view_channel(record, c, view)
+         if (.not. present(result)) then
+            call new_table(table, 6)
+            call add_row(table, "", "samples", "rate Hz", "unit", "missing", "gaps")
+            call add_row(table, record%channel(c)%text, count_text(sample_count(record)), &
+                         if_known(record%rate_known, number(1/record%sample_interval, 5), "-"), &
+                         if_known(has_unit(view), unit_name(view), "-"), &
+                         count_text(record%audit%missing), count_text(record%audit%gaps))
+         else if (command == "run" .or. command == "allan") then
+            call make_answer(view, result%channel(c:c), table)
+            table%cell = table%cell(:, [1, 3, 4, 5, 8])         ! name, N, B, K, noise
+            table%note = "+/-: standard error; <: 95 % limit, not detected; -: withheld"
+         else
+            call make_overview(command, result%channel(c:c), table)
+         end if
+         table%cell(1, 1)%text = "file"
+         i = table%head + 1
+         table%cell(i, 1)%text = text_or(path, "")//" "//table%cell(i, 1)%text// &
+            if_known(row%warnings > 0, " *")
+         table%caption = ""                                 ! by which equal heads are found
+         do i = 1, size(table%cell, 2)
+            table%caption = table%caption//table%cell(1, i)%text//table%cell(table%head, i)%text
+         end do
+      end subroutine make_table
 
    end subroutine summarize
 
@@ -163,87 +200,67 @@ contains
       call json%close()
    end subroutine write_summary_json
 
-   !> A table of at most 80 columns where names and units allow it, and how many files failed.
+   !> The rows of all files, a table for each unit, and what is to be said of files.
    subroutine write_summary_table(writer, rows)
       !> Open
       type(writer_type), intent(inout) :: writer
       !> In the order of the files
       type(summary_row_type), intent(in) :: rows(:)
-      type(table_type) :: table
+      type(table_type), allocatable :: table(:)
       character(:), allocatable :: text
       integer, allocatable :: width(:)
-      integer :: i, j, k, last, widest, blank
+      integer :: i, k, n
 
-      if (size(rows) == 0) return
-      table = rows(1)%table
-      do i = 1, size(rows)
-         do k = 2, size(rows(i)%table%cell, 1)
-            if (i > 1) call add_row(table)
-            last = merge(k, size(table%cell, 1), i == 1)
-            table%cell(last, :) = rows(i)%table%cell(k, :)
-            table%cell(last, 2)%text = tail_of(table%cell(last, 2)%text, most_channel)
+      call join_tables(rows, table, n)
+      do k = 1, n
+         call column_widths(table(k), width)
+         do i = table(k)%head + 1, merge(0, size(table(k)%cell, 1), writer%markup%on)
+            table(k)%cell(i, 1)%text = tail_of(table(k)%cell(i, 1)%text, &
+               max(least_name, report_width - 2*size(width) - sum(width(2:))))
          end do
+         if (k > 1) call put_line(writer, "")
+         call put_table(writer, table(k))
       end do
-      if (.not. writer%markup%on) then                     ! a page is wide enough
-         do j = 3, size(table%cell, 2)
-            call move_unit(table, j)
-         end do
-         call column_widths(table, width)
-         if (2*size(width) + least_name + sum(width(2:)) > report_width) then
-            do j = 3, size(table%cell, 2)
-               do i = 2, size(table%cell, 1)
-                  blank = unit_blank(table%cell(i, j)%text)
-                  if (blank > 0) table%cell(i, j)%text(blank:blank) = new_line("a")
-               end do
-            end do
-            call column_widths(table, width)
-         end if
-         widest = max(least_name, report_width - 2*size(width) - sum(width(2:)))
-         do i = 2, size(table%cell, 1)
-            table%cell(i, 1)%text = tail_of(table%cell(i, 1)%text, widest)
-         end do
+      if (n > 0) then
+         if (table(1)%note /= "") call put_paragraph(writer, table(1)%note)
+         call put_line(writer, "")
       end if
-      call put_table(writer, table, verbatim=.true.)
-      if (.not. writer%markup%on) call put_line(writer, "")
       text = plural(size(rows, kind=int64), "file")
       if (any(rows%code /= 0)) text = text//", "//plural(count(rows%code /= 0, kind=int64), &
                                                          "failure")
+      if (any(rows%warnings > 0)) text = text//"; *: warnings"
       call put_paragraph(writer, text)
    end subroutine write_summary_table
 
-   !> The blank before a number's unit, 0 where it has none.
-   pure integer function unit_blank(text)
-      character(*), intent(in) :: text
+   !> The tables of all files; those with the same head become one.
+   subroutine join_tables(rows, table, n)
+      type(summary_row_type), intent(in) :: rows(:)
+      !> The first n count
+      type(table_type), allocatable, intent(out) :: table(:)
+      integer, intent(out) :: n
+      integer :: i, c, k, row
 
-      unit_blank = index(text, " ", back=.true.)
-      if (unit_blank == 0) return
-      if (scan(text(unit_blank + 1:unit_blank + 1), "0123456789") > 0) unit_blank = 0
-   end function unit_blank
-
-   !> A unit that all numbers of a column have goes into its head.
-   pure subroutine move_unit(table, column)
-      type(table_type), intent(inout) :: table
-      integer, intent(in) :: column
-      character(:), allocatable :: unit
-      integer :: i, blank
-
-      unit = ""
-      do i = 2, size(table%cell, 1)
-         associate (text => table%cell(i, column)%text)
-            if (text == "" .or. text == "-") cycle
-            blank = unit_blank(text)
-            if (blank == 0) return
-            if (unit == "") unit = text(blank:)
-            if (text(blank:) /= unit) return
-         end associate
+      allocate (table(sum([(size(rows(i)%table), i=1, size(rows))])))
+      n = 0
+      do i = 1, size(rows)
+         do c = 1, size(rows(i)%table)
+            associate (new => rows(i)%table(c))
+               do k = 1, n
+                  if (table(k)%caption == new%caption) exit
+               end do
+               n = max(n, k)
+               if (.not. allocated(table(k)%cell)) then
+                  table(k) = new
+                  cycle
+               end if
+               do row = new%head + 1, size(new%cell, 1)
+                  call add_row(table(k))
+                  table(k)%cell(size(table(k)%cell, 1), :) = new%cell(row, :)
+               end do
+            end associate
+         end do
       end do
-      if (unit == "") return
-      table%cell(1, column)%text = table%cell(1, column)%text//new_line("a")//unit(2:)
-      do i = 2, size(table%cell, 1)
-         blank = unit_blank(table%cell(i, column)%text)
-         if (blank > 0) table%cell(i, column)%text = table%cell(i, column)%text(:blank - 1)
-      end do
-   end subroutine move_unit
+   end subroutine join_tables
 
    !> The end of a text that is too long, with "..." in front.
    pure function tail_of(text, width) result(tail)

@@ -16,7 +16,7 @@ module gyroakf_report_text_answer
    use gyroakf_report_verdicts, only : verdict_text
    implicit none (type, external)
    private
-   public :: put_answer, coefficient_text
+   public :: put_answer, make_answer, coefficient_text
 
    integer, parameter :: term_n = 2, term_k = 4
 
@@ -73,19 +73,7 @@ contains
 
       call put_line(writer, "")
       call view_channel(record, first, view)
-      call new_table(table, 8, head=2)
-      call add_row(table, "", "mean", "N", "B", "K", "minimum", "at tau", "noise")
-      associate (term => channel(1)%allan(stage%input)%stated%term)
-         call add_row(table, "", if_known(has_unit(view), unit_name(view)), &
-                      term(term_n)%unit, term(3)%unit, term(term_k)%unit, term(3)%unit, &
-                      time_unit(record))
-      end associate
-      do c = 1, size(channel)
-         call add_series(channel(c)%name, channel(c)%raw%mean, channel(c)%allan(stage%input))
-         call add_cell(table, trim(verdict_text(channel(c))))
-         if (outliers_matter(channel(c))) call add_series(" no outliers", channel(c)%level%mean, &
-            channel(c)%allan(stage%outliers_removed))
-      end do
+      call make_answer(view, channel, table)
       call column_widths(table, width)
       too_wide = 2 + sum(width) + size(width) - 1 > report_width
       if (too_wide) table%cell = table%cell(:, :7)
@@ -94,20 +82,6 @@ contains
       if (record%rate_known) call put_filter_numbers()
 
    contains
-
-      !> Mean, N, B, K and the lowest Allan deviation of a series.
-      subroutine add_series(name, mean, allan)
-         character(*), intent(in) :: name
-         real(dp), intent(in) :: mean
-         type(allan_result_type), intent(in) :: allan
-
-         associate (term => allan%stated%term, read_off => allan%read_off)
-            call add_row(table, name, number(mean, 3), coefficient_text(term(term_n)), &
-                         coefficient_text(term(3)), coefficient_text(term(term_k)), &
-                         if_known(read_off%known, number(read_off%minimum, 3)), &
-                         if_known(read_off%known, number(read_off%minimum_tau, 4)))
-         end associate
-      end subroutine add_series
 
       !> The verdicts below a table that is too narrow for them: "gx, gy stationary; gz drifts:
       !> random walk".
@@ -157,6 +131,46 @@ contains
       end subroutine put_filter_numbers
 
    end subroutine put_group
+
+   !> A row for each channel of one unit, and another one where outliers matter.
+   subroutine make_answer(record, channel, table)
+      !> For the units of mean and tau
+      type(record_type), intent(in) :: record
+      type(channel_result_type), intent(in) :: channel(:)
+      type(table_type), intent(out) :: table
+      integer :: c
+
+      call new_table(table, 8, head=2)
+      call add_row(table, "", "mean", "N", "B", "K", "minimum", "at tau", "noise")
+      associate (term => channel(1)%allan(stage%input)%stated%term)
+         call add_row(table, "", if_known(has_unit(record), unit_name(record)), &
+                      term(term_n)%unit, term(3)%unit, term(term_k)%unit, term(3)%unit, &
+                      time_unit(record))
+      end associate
+      do c = 1, size(channel)
+         call add_series(channel(c)%name, channel(c)%raw%mean, channel(c)%allan(stage%input))
+         call add_cell(table, trim(verdict_text(channel(c))))
+         if (outliers_matter(channel(c))) call add_series(" no outliers", channel(c)%level%mean, &
+            channel(c)%allan(stage%outliers_removed))
+      end do
+
+   contains
+
+      !> Mean, N, B, K and the lowest Allan deviation of a series.
+      subroutine add_series(name, mean, allan)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: mean
+         type(allan_result_type), intent(in) :: allan
+
+         associate (term => allan%stated%term, read_off => allan%read_off)
+            call add_row(table, name, number(mean, 3), coefficient_text(term(term_n)), &
+                         coefficient_text(term(3)), coefficient_text(term(term_k)), &
+                         if_known(read_off%known, number(read_off%minimum, 3)), &
+                         if_known(read_off%known, number(read_off%minimum_tau, 4)))
+         end associate
+      end subroutine add_series
+
+   end subroutine make_answer
 
    !> Without the outliers another term is detected, or one is more than its standard error away.
    elemental logical function outliers_matter(channel)

@@ -14,13 +14,13 @@ module gyroakf_report_text_overview
       make_ar_table, make_filter_table, make_tests_table
    use gyroakf_report_text_description, only : text_description_type
    use gyroakf_report_text_layout, only : count_text, if_known, number, percent, plural, &
-      put_heading, put_item, put_paragraph, rounded, scientific
+      put_item, put_paragraph, rounded, scientific
    use gyroakf_report_text_table, only : add_cell, add_row, new_table, put_numbered, put_table, &
       table_type
    use gyroakf_report_verdicts, only : verdict_text, whiteness_word
    implicit none (type, external)
    private
-   public :: put_overview
+   public :: put_overview, make_overview
 
 contains
 
@@ -34,19 +34,29 @@ contains
       type(pipeline_result_type), intent(in) :: result
       type(record_type) :: view
       type(table_type) :: table
-      integer :: c
 
       if (size(result%channel) == 1) then
          call view_channel(record, 1, view)
          call put_one(writer, command, view, result%channel(1))
          return
       end if
+      call make_overview(command, result%channel, table)
+      call put_below(writer, table, table%note)
+   end subroutine put_overview
+
+   !> A row for each channel.
+   subroutine make_overview(command, channel, table)
+      !> run, tests, ar or filter
+      character(*), intent(in) :: command
+      type(channel_result_type), intent(in) :: channel(:)
+      type(table_type), intent(out) :: table
+      integer :: c
+
       select case (command)
       case ("tests"); call make_tests()
       case ("ar"); call make_models()
       case default; call make_filters()
       end select
-      call put_below(writer, table, table%note)
 
    contains
 
@@ -57,8 +67,8 @@ contains
                       "ratio", "ratio")
          table%note = "ratio: variance of the output over that of the input. DC gain: share of "// &
             "a constant rotation that passes"
-         do c = 1, size(result%channel)
-            associate (one => result%channel(c), is => result%channel(c)%available)
+         do c = 1, size(channel)
+            associate (one => channel(c), is => channel(c)%available)
                call add_row(table, one%name, &
                             if_known(is%preprocess, count_text(one%clean%removed)), &
                             if_known(is%ar, count_text(int(one%ar%order, int64))), &
@@ -80,20 +90,20 @@ contains
          call new_table(table, 9)
          call add_row(table, "", "order", "phi_1", "phi_2", "phi_3", "variance", "predicts", &
                       "|rho|", "residuals")
-         table%note = "order: by "//full_name(result%channel(1)%ar%criterion)//". variance: of "// &
+         table%note = "order: by "//full_name(channel(1)%ar%criterion)//". variance: of "// &
             "the residuals. predicts: share of the variance one sample ahead. |rho|: largest "// &
             "autocorrelation of the residuals"
-         do c = 1, size(result%channel)
-            call add_row(table, result%channel(c)%name)
-            if (.not. result%channel(c)%available%ar) cycle
-            associate (ar => result%channel(c)%ar, test => result%channel(c)%ar%residual_ljung_box)
+         do c = 1, size(channel)
+            call add_row(table, channel(c)%name)
+            if (.not. channel(c)%available%ar) cycle
+            associate (ar => channel(c)%ar, test => channel(c)%ar%residual_ljung_box)
                call add_cell(table, count_text(int(ar%order, int64)))
                do i = 1, min(3, ar%order)
                   call add_cell(table, number(ar%coefficient(i), 4))
                end do
                table%filled = 5                                         ! phi_1 to phi_3
                call add_cell(table, scientific(ar%noise_variance, 4))
-               call add_cell(table, number(result%channel(c)%predictable_percent, 3)//" %")
+               call add_cell(table, number(channel(c)%predictable_percent, 3)//" %")
                call add_cell(table, number(test%largest_rho, 2))
                call add_cell(table, if_known(test%lags > 0, trim(whiteness_word(test))))
             end associate
@@ -107,8 +117,8 @@ contains
          call add_row(table, "", "ADF", "KPSS", "Jarque-Bera", "kurtosis", "Ljung-Box", "|rho|")
          table%note = "ADF, KPSS, Jarque-Bera, Ljung-Box: p-values; what the head names is "// &
             "rejected where they are small"
-         do c = 1, size(result%channel)
-            associate (one => result%channel(c), is => result%channel(c)%available)
+         do c = 1, size(channel)
+            associate (one => channel(c), is => channel(c)%available)
                call add_row(table, one%name, if_known(is%adf, bare(one%adf%p_value)), &
                             if_known(is%kpss, kpss_p_text(one)), &
                             if_known(is%jarque_bera, bare(one%jarque_bera%p_value)), &
@@ -120,7 +130,7 @@ contains
          end do
       end subroutine make_tests
 
-   end subroutine put_overview
+   end subroutine make_overview
 
    !> A table below an empty line, and what it means.
    subroutine put_below(writer, table, note)
@@ -179,7 +189,6 @@ contains
          associate (is => channel%available)
             if (is%kf .or. is%akf .or. is%drift_kf .or. is%drift_akf) call put_series()
          end associate
-         call put_rmse()
       end select
 
    contains
@@ -201,55 +210,56 @@ contains
          end associate
       end subroutine put_model
 
-      !> Before and after: the series and the filters.
+      !> Before and after: the series and the filters, N where their curves show it, RMSE where the
+      !> true drift is known.
       subroutine put_series()
          character(11), parameter :: shown(7) = [character(11) :: "raw", "cleaned", "KF (paper)", &
                                                  "AKF (paper)", "drift KF", "drift AKF", "smoother"]
          integer, parameter :: stages(4) = [stage%input, stage%cleaned, stage%kf, stage%akf]
+         type(filter_figures_type) :: figures(3:7)
          type(table_type) :: full
-         integer :: j
-
-         call make_filter_table(record, channel, full)
-         call new_table(table, 6, head=full%head)
-         do i = 1, size(full%cell, 1)
-            if (i > full%head .and. .not. any(shown == full%cell(i, 1)%text)) cycle
-            associate (cell => full%cell(i, :))
-               call add_row(table, cell(1)%text, cell(3)%text, cell(4)%text, &
-                            if_known(i == 1, "N"), &
-                            cell(6)%text, if_known(i > 1, cell(9)%text, "innovations"))
-            end associate
-            do j = 1, size(stages)
-               if (i <= full%head .or. shown(j) /= full%cell(i, 1)%text) cycle
-               associate (term => channel%allan(stages(j))%stated%term(2))
-                  if (.not. term%detected) cycle
-                  table%cell(size(table%cell, 1), 4)%text = number(term%value, 3)
-                  if (full%head > 1) table%cell(2, 4)%text = term%unit
-               end associate
-            end do
-         end do
-         call put_below(writer, table, "")
-      end subroutine put_series
-
-      !> RMSE of every filter against the true drift; nothing where that is not known.
-      subroutine put_rmse()
-         character(11), parameter :: name(5) = [character(11) :: "KF (paper)", "AKF (paper)", &
-                                                "drift KF", "drift AKF", "smoother"]
-         type(filter_figures_type) :: figures(5)
+         integer :: row, which
 
          figures = [channel%kf_figures, channel%akf_figures, channel%drift_kf_figures, &
                     channel%drift_akf_figures, channel%drift_smoother_figures]
-         if (all(figures%rmse_samples == 0)) return
-         call put_heading(writer, "Against the true drift")
-         call new_table(table, 2)
-         call add_row(table, "", "RMSE")
-         do i = 1, size(figures)
-            if (figures(i)%rmse_samples > 0) call add_row(table, trim(name(i)), &
-                                                          number(figures(i)%rmse, 4))
+         call make_filter_table(record, channel, full)
+         call new_table(table, 7, head=full%head)
+         do i = 1, size(full%cell, 1)
+            which = maxloc(merge(1, 0, shown == full%cell(i, 1)%text), dim=1)
+            if (shown(which) /= full%cell(i, 1)%text) which = 0
+            if (i > full%head .and. which == 0) cycle
+            associate (cell => full%cell(i, :))
+               call add_row(table, cell(1)%text, cell(3)%text, cell(4)%text, &
+                            if_known(i == 1, "N"), cell(6)%text, if_known(i == 1, "RMSE"), &
+                            if_known(i > 1, cell(9)%text, "innovations"))
+            end associate
+            row = size(table%cell, 1)
+            if (which >= 1 .and. which <= size(stages)) then
+               associate (term => channel%allan(stages(which))%stated%term(2))
+                  if (term%detected) table%cell(row, 4)%text = number(term%value, 3)
+                  if (term%detected .and. full%head > 1) table%cell(2, 4)%text = term%unit
+               end associate
+            end if
+            if (which < lbound(figures, 1)) cycle
+            if (figures(which)%rmse_samples == 0) cycle
+            table%cell(row, 6)%text = number(figures(which)%rmse, 4)
+            if (full%head > 1) table%cell(2, 6)%text = unit_name(record)
          end do
-         call put_table(writer, table)
-         call put_item(writer, "", "RMSE in "//unit_name(record)//" over "// &
-                       count_text(maxval(figures%rmse_samples))//" samples")
-      end subroutine put_rmse
+         table%cell = table%cell(:, pack([1, 2, 3, 4, 5, 6, 7], &
+            [.true., .true., .true., is_filled(4), .true., is_filled(6), .true.]))
+         text = "RMSE: against the true drift, over "// &
+            plural(maxval(figures%rmse_samples), "sample")
+         call put_below(writer, table, if_known(any(figures%rmse_samples > 0), text))
+      end subroutine put_series
+
+      !> Whether a column has a value below its head.
+      pure logical function is_filled(column)
+         integer, intent(in) :: column
+         integer :: row
+
+         is_filled = any([(table%cell(row, column)%text /= "", &
+                           row=table%head + 1, size(table%cell, 1))])
+      end function is_filled
 
    end subroutine put_one
 
