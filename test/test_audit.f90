@@ -2,9 +2,9 @@
 !> The audit of time stamps: what is a gap and what is not.
 module test_audit
    use expectations, only : unmet, test, error, check, went_wrong
-   use gyroakf_kinds, only : dp, int64
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
-   use gyroakf_io_audit, only : audit_stamps, gap_type
+   use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_left_out_rows, only : leave_rows_out, place_with
    use gyroakf_io_reader, only : reader_options
@@ -41,6 +41,7 @@ contains
       call test("gap-in-a-file", test_gap_in_file)
       call test("repeated-rows-and-gap", test_repeated_rows)
       call test("lines", test_lines)
+      call test("still", test_still)
    end subroutine suite_audit
 
    !> Even stamps.
@@ -300,5 +301,46 @@ contains
                           & failed)
       call check(error, all(record%audit%line_of_first == [8_int64, 10_int64, 0_int64]), "lines")
    end subroutine test_lines
+
+   !> A stretch without a change is found at the end and within; not where a coarse or slow sensor
+   !> repeats its values, where one channel goes on, where samples are missing, or nothing changes.
+   subroutine test_still()
+      real(dp) :: value(n, 2)
+      integer(int8), allocatable :: marks(:, :)
+      integer :: i
+
+      value = reshape([(noise(i), i=1, 2*n)], [n, 2])
+      call check(error, place_of(value, marks), 0_int64)
+      value(n - 199:, :) = 0
+      call check(error, place_of(value, marks), n - 199_int64)
+      allocate (marks(n, 2), source=1_int8)
+      marks(n - 199:, :) = 0
+      call check(error, place_of(value, marks), 0_int64, more="missing")
+      deallocate (marks)
+      value(n - 199:, 2) = [(noise(i), i=1, 200)]
+      call check(error, place_of(value, marks), 0_int64, more="one channel")
+      value(1001:1019, :) = 0.5_dp
+      call check(error, place_of(value, marks), 0_int64, more="short")
+      value(1001:1200, :) = 0.5_dp
+      call check(error, place_of(value, marks), 1001_int64, more="within")
+      value(2001:2120, :) = 0.25_dp
+      call check(error, place_of(value, marks), 0_int64, more="twice")
+      value(:, 1) = anint([(noise(i), i=1, n)])
+      call check(error, place_of(value(:, :1), marks), 0_int64, more="coarse")
+      value(:, 1) = [(real(i/100, dp), i=1, n)]
+      call check(error, place_of(value(:, :1), marks), 0_int64, more="slow")
+      value = 1
+      call check(error, place_of(value, marks), 0_int64, more="constant")
+   end subroutine test_still
+
+   !> First sample of the stretch, 0 where there is none.
+   integer(int64) function place_of(value, marks)
+      real(dp), intent(in), contiguous :: value(:, :)
+      integer(int8), allocatable, intent(in) :: marks(:, :)
+      type(audit_type) :: audit
+
+      call audit_values(value, marks, audit, failed)
+      place_of = audit%still(1)
+   end function place_of
 
 end module test_audit

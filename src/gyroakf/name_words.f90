@@ -200,6 +200,9 @@ contains
 
       is_temperature = is_temperature_unit(unit) .or. index(words, "temperature") > 0
       if (name == "T") is_temperature = .not. time_scale(lower(unit)) > 0.0_dp
+      if (index(name, "T") == 1 .and. index(words, " t ") == 1) then               ! TAcc, TGyro
+         is_temperature = is_temperature .or. has_beginning(words, "acc gyr mag sens")
+      end if
       at = 1
       do while (index(words(at:), " temp") > 0)
          at = at + index(words(at:), " temp") + 4

@@ -46,6 +46,9 @@ module gyroakf_record
       real(dp), allocatable :: minimum(:), maximum(:)
       !> Smallest non-zero step between neighbors: [channel], of the record's unit; 0 for none
       real(dp), allocatable :: quantization(:)
+      !> First and last sample of a stretch in which no channel changes though they do elsewhere; 0:
+      !> none
+      integer(int64) :: still(2) = 0
       !> Rows that repeat the one above, left out; the line of the first, 0 where there is none
       integer(int64) :: repeated = 0, line_of_repeat = 0
       !> Rows without a time that were left out, and the line of the first

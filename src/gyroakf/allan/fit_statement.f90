@@ -164,10 +164,11 @@ contains
                c%fitted = .true.
                c%value = e%unit(j)*sqrt(max(0.0_dp, e%final%squares(j)))
                c%std_error = sqrt(noise%covariance(j, j))
-               c%detected = e%stated(j)
+               c%detected = e%stated(j) .and. .not. &
+                  & (noise%errors_increased .and. c%value < 2*c%std_error)
                c%state = merge("value", "limit", c%detected)
                c%upper_limit = c%value + sqrt(options%limit_chi_square)*c%std_error
-               if (.not. c%detected) c%upper_limit = &
+               if (.not. e%stated(j)) c%upper_limit = &
                   & e%unit(j)*sqrt(upper_limit(e%run, options, e%offered, j, e%full%squares))
             end if
          end associate
@@ -184,7 +185,8 @@ contains
       real(dp) :: before, square, deviation
 
       before = estimate%scale - options%lsb**2/12
-      noise%lsb_ratio = options%lsb/sqrt(max(before, tiny(1.0_dp)))
+      noise%lsb_ratio = huge(1.0_dp)                      ! rounding alone has that variance
+      if (before > 0) noise%lsb_ratio = options%lsb/sqrt(before)
       associate (n => noise%coefficient(term_white), c => noise%unquantized)
          if (noise%lsb_ratio < options%lsb_range(1) .or. .not. n%detected) return
          c%state = "withheld"

@@ -60,8 +60,14 @@ contains
          call add_text(record%warnings, "the time stamps are up to "// &
             format_real(record%audit%jitter_max, 3)// &
             " s away from an even grid; the samples are taken as evenly spaced at the mean "// &
-            "rate: `resample` nearest places them by their time stamps")
+            "rate"//trim(merge(": `resample` nearest places them by their time stamps ", &
+            ": where they came several at once the stamps tell less", &
+            record%audit%bursts == 0)))
       end if
+      if (record%audit%still(1) > 0) call add_text(record%warnings, "no channel changes from "// &
+         trim(moment(record, record%audit%still(1)))//" to "// &
+         trim(moment(record, record%audit%still(2)))// &
+         ": the sensor hung, or the file was filled up; `from` and `to` select a part without it")
       if (table%headings > 0) call add_text(record%warnings, counted(table%headings, "line")// &
          trim(merge(" repeats", " repeat ", table%headings == 1))// &
          " the names of the columns, as in files that were put behind one another: left out; "// &
@@ -100,6 +106,16 @@ contains
       placed = allocated(record%resample)
       if (placed) placed = record%resample /= "index"
    end function placed
+
+   !> "59.8 s", "sample 71762": when a sample was taken.
+   character(40) function moment(record, sample) result(text)
+      type(record_type), intent(in) :: record
+      integer(int64), intent(in) :: sample
+
+      text = "sample "//integer_text(sample)
+      if (record%rate_known) text = &
+         format_real(real(sample - 1, dp)*record%sample_interval, 7)//" s"
+   end function moment
 
    !> "1 row", "2 rows".
    pure function counted(number, noun) result(text)

@@ -7,6 +7,7 @@ module gyroakf_pipeline_warnings
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_place, only : integer_text
    use gyroakf_pipeline_result, only : channel_result_type, not_described, stage
+   use gyroakf_units, only : term_names
    implicit none (type, external)
    private
    public :: job_ends, note_failure, note_error, negligible_rho
@@ -187,9 +188,20 @@ contains
    pure subroutine warn_fit(channel)
       !> Its Allan curve of the record as read is fitted as far as possible; gets a warning
       type(channel_result_type), intent(inout) :: channel
+      character(:), allocatable :: names
+      integer :: i
 
       if (.not. channel%allan(stage%input)%fitted) return
       associate (noise => channel%allan(stage%input)%noise)
+         names = ""
+         do i = 2, 4                                                                ! N, B, K
+            if (noise%coefficient(i)%state == "withheld") names = names//", "//term_names(i)
+         end do
+         if (noise%described .and. names /= "") call add_text(channel%warnings, names(3:)// &
+            " withheld: octaves "//integer_text(int(noise%left_out + 1, int64))//" to "// &
+            integer_text(int(noise%left_out + noise%points, int64))//" of "// &
+            integer_text(int(noise%left_out + noise%points + noise%cut_off, int64))// &
+            ", which the fit describes, do not show it", note=.true.)
          if (.not. noise%described) then
             call add_text(channel%warnings, "Allan deviation: "//not_described// &
                "; `tau_min` and `tau_max` fit a range")

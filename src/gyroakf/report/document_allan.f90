@@ -111,7 +111,8 @@ contains
          end do
          call put_stated(out, "N_without_quantization", plain, stated%in_units, "N unquantized", &
                          plain%state /= "")
-         call out%put("lsb_ratio", stated%lsb_ratio, plain%state /= "")
+         call out%put("lsb_ratio", stated%lsb_ratio, plain%state /= "" .and. &
+                      stated%lsb_ratio < huge(stated%lsb_ratio))
          call out%put("chi2_reduced", allan%noise%chi2_reduced, shown=.false.)
          call out%open("read_off", "Read off")
          do term = 1, 5

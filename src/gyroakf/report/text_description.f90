@@ -25,6 +25,8 @@ module gyroakf_report_text_description
       integer :: depth = 0
       !> Keys of groups that are not shown
       character(8), allocatable, public :: skip(:)
+      !> What keys that end with _s are in: "samples" where no rate is known
+      character(7), public :: time_unit = "s"
       !> Groups that are not shown begin below this depth
       integer :: hidden = max_depth
       logical :: list(0:max_depth) = .false.
@@ -173,13 +175,13 @@ contains
       character(:), allocatable, intent(out) :: title
       logical, intent(out) :: shown
       character(:), allocatable, intent(out) :: unit
-      character(2) :: name
+      character(7) :: name
       integer :: i
 
       title = key
       i = index(key, "_", back=.true.)
       select case (key(i + 1:))
-      case ("s"); name = "s"
+      case ("s"); name = self%time_unit
       case ("hz"); name = "Hz"
       case ("percent"); name = "%"
       case default; name = ""

@@ -93,6 +93,7 @@ contains
       logical :: all
 
       call out%attach(writer)
+      out%time_unit = time_unit(record)
       all = command == "run"
       ! of a long record they reject a unit root for any sensor
       if (all) out%skip = [character(8) :: "adf", "kpss"]

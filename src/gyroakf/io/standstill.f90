@@ -1,0 +1,75 @@
+! SPDX-License-Identifier: MIT
+!> A sensor that hung, or a file that was filled up: rows that stay the same for too long.
+module gyroakf_io_standstill
+   use gyroakf_kinds, only : dp, int8, int64
+   implicit none (type, external)
+   private
+   public :: find_still
+
+   !> No channel changes for so many samples at least, so many times as long as chance explains, and
+   !> as anywhere else
+   integer(int64), parameter :: least_still = 20, next_factor = 2
+   real(dp), parameter :: chance_factor = 5.0_dp
+
+contains
+
+   !> The longest stretch in which no channel changes, where neither chance nor slow changes explain
+   !> it.
+   !>
+   !> Where a row equals the one before it with the probability p, the longest run of n rows is
+   !> log(n (1 - p))/log(1/p) about (Feller, An Introduction to Probability Theory, vol. 1, XIII.7):
+   !> a coarse sensor repeats its values, too; one whose rate is slow does so in other places as
+   !> long.
+   pure subroutine find_still(value, present_mask, still)
+      !> [sample, channel]
+      real(dp), intent(in), contiguous :: value(:, :)
+      !> [sample, channel] 1 present, 0 missing; unallocated where nothing is missing
+      integer(int8), allocatable, intent(in) :: present_mask(:, :)
+      !> Its first and last sample, 0 where there is none
+      integer(int64), intent(out) :: still(2)
+      real(dp) :: share
+      integer(int64) :: i, n, equal, run, longest, next, last
+
+      still = 0
+      n = size(value, 1, kind=int64)
+      equal = 0
+      run = 1
+      longest = 0
+      next = 0
+      last = 0
+      do i = 2, n + 1
+         if (is_repeated(i)) then
+            equal = equal + 1
+            run = run + 1
+            cycle
+         end if
+         next = max(next, min(run, longest))
+         if (run > longest) last = i - 1
+         longest = max(longest, run)
+         run = 1
+      end do
+      if (longest < max(least_still, next_factor*next) .or. longest == n) return
+      share = max(1.0_dp, real(equal - longest + 1, dp))/real(n - longest, dp)
+      if (share >= 1.0_dp) return
+      if (longest < chance_factor*log(real(n, dp)*(1.0_dp - share))/(-log(share))) return
+      still = [last - longest + 1, last]
+
+   contains
+
+      !> Whether a row is there and equals the one before.
+      pure logical function is_repeated(i)
+         integer(int64), intent(in) :: i
+         integer :: j
+
+         is_repeated = i <= n
+         do j = 1, size(value, 2)
+            if (.not. is_repeated) return
+            is_repeated = .not. abs(value(i, j) - value(i - 1, j)) > 0.0_dp
+         end do
+         if (is_repeated .and. allocated(present_mask)) is_repeated = &
+            any(present_mask(i, :) == 1_int8) .and. any(present_mask(i - 1, :) == 1_int8)
+      end function is_repeated
+
+   end subroutine find_still
+
+end module gyroakf_io_standstill
