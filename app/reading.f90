@@ -143,7 +143,8 @@ contains
       rows = max(recording%expected_rows, recording%table%rows)
       text = trim(merge("what fits:      ", "what needs less:", known))
       less = recording%options
-      if (size(recording%table%chosen) > 1 .and. one_unit) then
+      if (size(recording%table%chosen) > merge(2, 1, recording%table%with_first) .and. &
+         & one_unit) then
          call add_if_fits("--column "//integer_text(int(recording%table%chosen(1), int64)), 1)
       end if
       if (less%channel_bytes > 0) then

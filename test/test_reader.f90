@@ -400,6 +400,14 @@ contains
       call check(error, len(shown(uneven, reader_options(), record)) > 0 .and. .not. record%rate_known, "an uneven rise")
       call check(error, channels(record)//warned(record), "column1 column2 column 1 rises from row to row and looks like time; "// &
                  "it is read as a channel, `time_column` 1 takes it for the time|")
+      ! beside the columns that are asked for too
+      call check(error, len(shown(rising, reader_options(columns="2"), record)) > 0 .and. record%rate_known, "asked")
+      call check(error, channels(record)//warned(record), "column2 column 1 rises evenly from row to row and is taken for the "// &
+                 "time; `time_column` none forbids it|")
+      call check(error, len(shown(uneven, reader_options(columns="2"), record)) > 0 .and. .not. record%rate_known)
+      call check(error, channels(record)//warned(record), "column2 ")
+      call check(error, len(shown(rising, reader_options(columns="2", rate_hz=5.0_dp), record)) > 0, "a rate")
+      call check(error, channels(record)//warned(record), "column2 ")
       call check(error, shown("0 1"//nl//"0.1 2"//nl//"0.2 1"//nl, reader_options(), record)//warned(record), &
                  "0 1 / 0.1 2 / 0.2 1 ")
    end subroutine test_looks_like_time

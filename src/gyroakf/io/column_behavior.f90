@@ -12,7 +12,7 @@ module gyroakf_io_column_behavior
    use gyroakf_record, only : add_text, text_type
    implicit none (type, external)
    private
-   public :: find_time_and_counters
+   public :: find_time_and_counters, find_first_time
 
    !> Behavior of a column: rises from row to row, unevenly; rises evenly, perhaps with equal values
    !> or a rollover; holds whole numbers that rise by 1 in most rows, or is a counter by name that
@@ -52,10 +52,7 @@ contains
       do j = 1, size(keep)
          if (table%time > 0 .or. time_known) exit
          if (kind(j) /= even_time .or. size(keep) < 2) cycle
-         table%time = table%chosen(j)
-         table%class(table%time) = column_class%time
-         call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to "// &
-            "row and is taken for the time; `time_column` none forbids it")
+         call take_time(table, j, warnings)
       end do
       associate (class => table%class)
          do j = 1, size(keep)
@@ -84,6 +81,30 @@ contains
                     "; it is read as a channel, `time_column` "// &
                     integer_text(table%chosen(1))//" takes it for the time")
    end subroutine find_time_and_counters
+
+   !> The first column, kept behind those that were asked for, is the time or nothing.
+   subroutine find_first_time(table, keep, warnings)
+      type(table_type), intent(inout) :: table
+      !> Columns that are channels: [chosen column]
+      logical, intent(inout) :: keep(:)
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+
+      keep(size(keep)) = .false.
+      if (behavior_of(table%store, size(keep), .false.) == even_time) &
+         call take_time(table, size(keep), warnings)
+   end subroutine find_first_time
+
+   !> Takes a chosen column for the time.
+   subroutine take_time(table, j, warnings)
+      type(table_type), intent(inout) :: table
+      integer, intent(in) :: j
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+
+      table%time = table%chosen(j)
+      table%class(table%time) = column_class%time
+      call add_text(warnings, label_of(table%names, table%time)//" rises evenly from row to "// &
+         "row and is taken for the time; `time_column` none forbids it")
+   end subroutine take_time
 
    !> What a column does; one that falls otherwise than by starting again is left after a few rows.
    pure integer function behavior_of(store, column, named_counter) result(found)

@@ -10,7 +10,7 @@ module gyroakf_io_reader
    use gyroakf_error, only : check_memory, check_sample_interval, error_type, fatal_error, status
    use gyroakf_io_audit, only : audit_values, gap_type
    use gyroakf_io_channel_units, only : set_units
-   use gyroakf_io_column_behavior, only : find_time_and_counters
+   use gyroakf_io_column_behavior, only : find_first_time, find_time_and_counters
    use gyroakf_io_columns, only : has_name, label_of
    use gyroakf_io_findings, only : add_findings, survey_columns
    use gyroakf_io_column_choice, only : list_left_out
@@ -118,6 +118,7 @@ contains
       allocate (keep(size(table%chosen)), source=.true.)
       if (.not. table%asked) call find_time_and_counters(table, allocated(options%time_column), &
          options%input, keep, record%warnings)
+      if (table%with_first) call find_first_time(table, keep, record%warnings)
       time_slot = 0
       if (table%time > 0) time_slot = table%layout%slot(table%time)
       blank = keep

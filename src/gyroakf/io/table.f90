@@ -40,8 +40,9 @@ module gyroakf_io_table
       logical :: nano = .true.
       !> What each column measures, one of the components of column_class: [column]
       integer, allocatable :: class(:)
-      !> True where the columns were asked for
-      logical :: asked = .false.
+      !> True where the columns were asked for; the first one, which has no name and was not, is kept
+      !> behind them, for it may be the time
+      logical :: asked = .false., with_first = .false.
       !> The rows that are at hand
       type(store_type) :: store
       !> How many were read so far, and whether these are all
@@ -128,6 +129,12 @@ contains
          i = findloc(is_stamp(table%layout%kind(table%chosen)), .true., dim=1)
          if (i > 0) call fatal_error(error, status%invalid_argument, &
             label_of(table%names, table%chosen(i))//" holds dates or times of day, not values")
+         if (allocated(error)) return
+         table%with_first = table%time == 0 .and. n > 1 .and. .not. (table%names%known .or. &
+            allocated(options%time_column) .or. options%rate_hz > 0 .or. &
+            options%input == "angle" .or. any(table%chosen == 1) .or. &
+            is_stamp(table%layout%kind(1)) .or. table%class(1) == column_class%text)
+         if (table%with_first) table%chosen = [table%chosen, 1]
       else
          call choose_by_class(options, table)
       end if
