@@ -214,6 +214,7 @@ contains
       channel%halves%ratio = [1.12_dp, 1.08_dp]
       channel%halves%lower = [1.08_dp, 1.04_dp]
       channel%halves%upper = [1.16_dp, 1.12_dp]
+      channel%halves%score = [6.0_dp, 4.0_dp]
    end subroutine fill_halves
 
    subroutine fill_series(channel)

@@ -279,6 +279,17 @@ contains
       call unwrap(text, flat)
       call check(error, index(flat, "Second half against the first chi-square 60, degrees of freedom 2, &
             p = 1e-13") > 0, flat)
+      check_level: block
+         type(record_type) :: record
+         type(pipeline_result_type) :: result
+
+         call make_record(record, .true.)
+         call make_result(record, result)
+         call check(error, index(flat, "stationary, flicker ") > 0 .and. index(flat, "level changes") == 0, flat)
+         result%channel(1)%halves%ratio = 0.7_dp
+         call report_of("allan", record, result, text)
+         call check(error, index(text, "stationary, flicker, level changes") > 0, text)
+      end block check_level
    end subroutine test_halves
 
    !> The shorter reports say their part and keep the width.

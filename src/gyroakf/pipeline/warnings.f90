@@ -192,7 +192,11 @@ contains
       integer :: i
 
       if (.not. channel%allan(stage%input)%fitted) return
-      associate (noise => channel%allan(stage%input)%noise)
+      associate (noise => channel%allan(stage%input)%noise, &
+                 deviation => channel%allan(stage%input)%curve%deviation)
+         if (minloc(deviation, dim=1) == 1 .and. size(deviation) > 1) call add_text( &
+            channel%warnings, "the Allan deviation rises from its first averaging time on: "// &
+            "the sensor moved, or drifts faster than its noise shows; N needs a record at rest")
          names = ""
          do i = 2, 4                                                                ! N, B, K
             if (noise%coefficient(i)%state == "withheld") names = names//", "//term_names(i)

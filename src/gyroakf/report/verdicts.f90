@@ -17,12 +17,15 @@ module gyroakf_report_verdicts
    real(dp), parameter :: level = 0.05_dp
    !> No verdict is longer
    integer, parameter :: remark_length = 500
+   !> A change of the noise from the first to the second half is a part of the verdict where it is
+   !> less probable by chance, and larger
+   real(dp), parameter :: certain = 1e-3_dp, large_change = 0.2_dp
    !> Fewer periods in a record are drift
    integer(int64), parameter :: fewest_periods = 5_int64
 
 contains
 
-   !> "stationary, flicker", "drifts: random walk".
+   !> "stationary, flicker", "stationary, level changes", "drifts: random walk".
    pure function verdict_text(channel) result(text)
       !> With its verdict
       type(channel_result_type), intent(in) :: channel
@@ -41,8 +44,18 @@ contains
          case ("unit_root"); text = "drifts: unit root not rejected"
          case default; text = "not described"
          end select
+         if (verdict%stationary .and. level_changes(channel)) text = trim(text)//", level changes"
       end associate
    end function verdict_text
+
+   !> Whether the noise of the second half is clearly larger or smaller than that of the first.
+   pure logical function level_changes(channel)
+      type(channel_result_type), intent(in) :: channel
+
+      level_changes = channel%available%halves .and. channel%halves%p_value < certain
+      if (level_changes) level_changes = abs(log(channel%halves%ratio( &
+         maxloc(abs(channel%halves%score), dim=1)))) > large_change
+   end function level_changes
 
    !> "unit root rejected at 5 %".
    pure function rejection_text(hypothesis, rejected) result(text)
