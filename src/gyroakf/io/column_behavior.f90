@@ -90,8 +90,8 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
 
       keep(size(keep)) = .false.
-      if (behavior_of(table%store, size(keep), .false.) == even_time) &
-         call take_time(table, size(keep), warnings)
+      if (behavior_of(table%store, size(keep), .false.) /= even_time) return
+      call take_time(table, size(keep), warnings)
    end subroutine find_first_time
 
    !> Takes a chosen column for the time.

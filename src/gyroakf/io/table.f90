@@ -40,8 +40,8 @@ module gyroakf_io_table
       logical :: nano = .true.
       !> What each column measures, one of the components of column_class: [column]
       integer, allocatable :: class(:)
-      !> True where the columns were asked for; the first one, which has no name and was not, is kept
-      !> behind them, for it may be the time
+      !> True where the columns were asked for; where the first one, which was not, has no name and
+      !> may be the time, is kept behind them
       logical :: asked = .false., with_first = .false.
       !> The rows that are at hand
       type(store_type) :: store
