@@ -289,6 +289,11 @@ contains
          result%channel(1)%halves%ratio = 0.7_dp
          call report_of("allan", record, result, text)
          call check(error, index(text, "stationary, flicker, level changes") > 0, text)
+         result%channel(1)%verdict%drift = "undescribed"
+         result%channel(1)%verdict%stationary = .false.
+         result%channel(1)%raw%variance = 0
+         call report_of("allan", record, result, text)
+         call check(error, index(text, "  constant"//lf) > 0, "the verdict on a constant")
       end block check_level
    end subroutine test_halves
 

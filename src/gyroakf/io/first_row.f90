@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The first row of a table in text: it decides how rows are split and which columns there are.
 module gyroakf_io_first_row
-   use gyroakf_kinds, only : int8, int64
+   use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : check_memory, error_type
    use gyroakf_io_columns, only : count_names, drop_empty_names, most_columns, refuse_equal_names
    use gyroakf_io_commas, only : choose_commas
@@ -10,6 +10,7 @@ module gyroakf_io_first_row
    use gyroakf_io_lines, only : lines_type, map_row
    use gyroakf_io_labels, only : name_fields
    use gyroakf_io_marks, only : find_marks, marks_type, strip_lines
+   use gyroakf_io_number, only : number, parse_number
    use gyroakf_io_place, only : integer_text, line_error, place_error
    use gyroakf_io_preamble, only : read_preamble
    use gyroakf_io_reader_options, only : reader_options
@@ -114,7 +115,7 @@ contains
       texts = [(size(field, 1) > 0 .and. all([(is_text(field(i, j)%text), i=1, size(field, 1))]), &
          j=1, size(field, 2))]
       if (.not. allocated(options%where)) call find_kinds_of_records(field, texts, table)
-      call choose(options, texts, table, error)
+      call choose(options, texts, rises(field(:, 1)), table, error)
       if (allocated(error)) return
       if (.not. allocated(options%where) .and. &
          (table%time > 0 .or. .not. allocated(options%time_column))) then
@@ -125,6 +126,20 @@ contains
       end if
       call pair_stamps(lines%bytes, fields, table)
    end subroutine lay_out
+
+   !> Whether numbers rise and never fall.
+   pure logical function rises(field)
+      type(text_type), intent(in) :: field(:)
+      real(dp) :: x(size(field))
+      integer :: i, found
+
+      rises = .false.
+      do i = 1, size(x)
+         call parse_number(field(i)%text, x(i), found)
+         if (found /= number%ok) return
+      end do
+      if (size(x) > 1) rises = x(size(x)) > x(1) .and. all(x(2:) >= x(:size(x) - 1))
+   end function rises
 
    !> Labels and brackets of the first row become blanks, as in all rows; the labels, or the names
    !> of cells with arrays, name the fields. They stay where there are as many names as fields.

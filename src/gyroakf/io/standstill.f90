@@ -10,6 +10,8 @@ module gyroakf_io_standstill
    !> as anywhere else
    integer(int64), parameter :: least_still = 20, next_factor = 2
    real(dp), parameter :: chance_factor = 5.0_dp
+   !> Rows that are looked at together
+   integer(int64), parameter :: block = 2048
 
 contains
 
@@ -20,7 +22,7 @@ contains
    !> log(n (1 - p))/log(1/p) about (Feller, An Introduction to Probability Theory, vol. 1, XIII.7):
    !> a coarse sensor repeats its values, too; one whose rate is slow does so in other places as
    !> long.
-   pure subroutine find_still(value, present_mask, still)
+   subroutine find_still(value, present_mask, still)
       !> [sample, channel]
       real(dp), intent(in), contiguous :: value(:, :)
       !> [sample, channel] 1 present, 0 missing; unallocated where nothing is missing
@@ -28,7 +30,7 @@ contains
       !> Its first and last sample, 0 where there is none
       integer(int64), intent(out) :: still(2)
       real(dp) :: share
-      integer(int64) :: i, n, equal, run, longest, next, last
+      integer(int64) :: i, first, n, equal, run, longest, next, last
 
       still = 0
       n = size(value, 1, kind=int64)
@@ -37,17 +39,21 @@ contains
       longest = 0
       next = 0
       last = 0
-      do i = 2, n + 1
-         if (is_repeated(i)) then
-            equal = equal + 1
-            run = run + 1
+      do first = 2, n, block
+         if (changes(first, min(n, first + block - 1))) then
+            call end_run(first - 1)
             cycle
          end if
-         next = max(next, min(run, longest))
-         if (run > longest) last = i - 1
-         longest = max(longest, run)
-         run = 1
+         do i = first, min(n, first + block - 1)
+            if (is_repeated(i)) then
+               equal = equal + 1
+               run = run + 1
+            else
+               call end_run(i - 1)
+            end if
+         end do
       end do
+      call end_run(n)
       if (longest < max(least_still, next_factor*next) .or. longest == n) return
       share = max(1.0_dp, real(equal - longest + 1, dp))/real(n - longest, dp)
       if (share >= 1.0_dp) return
@@ -56,17 +62,38 @@ contains
 
    contains
 
+      !> A stretch of equal rows ends.
+      subroutine end_run(at)
+         integer(int64), intent(in) :: at
+
+         next = max(next, min(run, longest))
+         if (run > longest) last = at
+         longest = max(longest, run)
+         run = 1
+      end subroutine end_run
+
+      !> Whether a channel changes from each row to the next.
+      pure logical function changes(first, last)
+         integer(int64), intent(in) :: first, last
+         integer :: j
+
+         do j = 1, size(value, 2)
+            changes = minval(abs(value(first:last, j) - value(first - 1:last - 1, j))) > 0.0_dp
+            if (changes) return
+         end do
+      end function changes
+
       !> Whether a row is there and equals the one before.
       pure logical function is_repeated(i)
          integer(int64), intent(in) :: i
          integer :: j
 
-         is_repeated = i <= n
+         is_repeated = .true.
          do j = 1, size(value, 2)
-            if (.not. is_repeated) return
             is_repeated = .not. abs(value(i, j) - value(i - 1, j)) > 0.0_dp
+            if (.not. is_repeated) return
          end do
-         if (is_repeated .and. allocated(present_mask)) is_repeated = &
+         if (allocated(present_mask)) is_repeated = &
             any(present_mask(i, :) == 1_int8) .and. any(present_mask(i - 1, :) == 1_int8)
       end function is_repeated
 

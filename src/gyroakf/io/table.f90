@@ -83,15 +83,15 @@ contains
       if (allocated(error)) return
       table%layout%columns = int(columns)
       allocate (table%layout%kind(columns), source=stamp_kind%number)
-      call choose(options, [logical ::], table, error)
+      call choose(options, [logical ::], .false., table, error)
       if (.not. allocated(error)) call set_slots(0, table)
    end subroutine begin_numbers
 
    !> Decides which columns are kept.
-   subroutine choose(options, texts, table, error)
+   subroutine choose(options, texts, first_rises, table, error)
       type(reader_options), intent(in) :: options
-      !> Columns of words: [column], or of size 0
-      logical, intent(in) :: texts(:)
+      !> Columns of words: [column], or of size 0; the first one rises in the first rows
+      logical, intent(in) :: texts(:), first_rises
       !> Its names and layout are known; the time, `class` and `chosen` are set
       type(table_type), intent(inout) :: table
       !> Where no column is left: parse; where none is what was asked for: invalid_argument
@@ -130,10 +130,9 @@ contains
          if (i > 0) call fatal_error(error, status%invalid_argument, &
             label_of(table%names, table%chosen(i))//" holds dates or times of day, not values")
          if (allocated(error)) return
-         table%with_first = table%time == 0 .and. n > 1 .and. .not. (table%names%known .or. &
+         table%with_first = first_rises .and. table%time == 0 .and. .not. (table%names%known .or. &
             allocated(options%time_column) .or. options%rate_hz > 0 .or. &
-            options%input == "angle" .or. any(table%chosen == 1) .or. &
-            is_stamp(table%layout%kind(1)) .or. table%class(1) == column_class%text)
+            options%input == "angle" .or. any(table%chosen == 1))
          if (table%with_first) table%chosen = [table%chosen, 1]
       else
          call choose_by_class(options, table)

@@ -4,7 +4,7 @@
 module gyroakf_report_text_answer
    use gyroakf_kinds, only : dp
    use gyroakf_io_writer, only : writer_type, put_line
-   use gyroakf_record, only : record_type, view_channel
+   use gyroakf_record, only : record_type, text_type, view_channel
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, &
       pipeline_result_type, stage, stated_coefficient_type
    use gyroakf_report_input, only : has_unit, unit_name, time_unit
@@ -29,16 +29,22 @@ contains
       type(record_type), intent(in) :: record
       !> Nothing is written where no Allan deviation was fitted
       type(pipeline_result_type), intent(in) :: result
+      type(record_type) :: view
+      type(text_type) :: unit(size(result%channel))
       integer :: first, last, i
       logical :: fitted(size(result%channel))
 
-      fitted = [(result%channel(i)%allan(stage%input)%fitted, i=1, size(fitted))]
+      do i = 1, size(fitted)
+         fitted(i) = result%channel(i)%allan(stage%input)%fitted
+         call view_channel(record, i, view)
+         unit(i)%text = unit_name(view)
+      end do
       last = 0
       do while (last < size(fitted))
          first = last + 1
          last = first
          do while (last < size(fitted))
-            if (unit_of(result%channel(last + 1)) /= unit_of(result%channel(first))) exit
+            if (unit(last + 1)%text /= unit(first)%text) exit
             last = last + 1
          end do
          if (any(fitted(first:last))) call put_group(writer, record, &
@@ -47,17 +53,6 @@ contains
       if (.not. any(fitted)) return
       call put_paragraph(writer, "+/-: standard error; <: 95 % limit, not detected; -: withheld")
    end subroutine put_answer
-
-   !> Unit of N, "" where it is not stated.
-   pure function unit_of(channel) result(unit)
-      type(channel_result_type), intent(in) :: channel
-      character(:), allocatable :: unit
-
-      unit = ""
-      associate (n => channel%allan(stage%input)%stated%term(term_n))
-         if (allocated(n%unit)) unit = n%unit
-      end associate
-   end function unit_of
 
    !> The channels of one unit.
    subroutine put_group(writer, record, channel, first)
@@ -142,7 +137,8 @@ contains
 
       call new_table(table, 8, head=2)
       call add_row(table, "", "mean", "N", "B", "K", "minimum", "at tau", "noise")
-      associate (term => channel(1)%allan(stage%input)%stated%term)
+      c = max(1, findloc([(channel(c)%allan(stage%input)%fitted, c=1, size(channel))], .true., 1))
+      associate (term => channel(c)%allan(stage%input)%stated%term)
          call add_row(table, "", if_known(has_unit(record), unit_name(record)), &
                       term(term_n)%unit, term(3)%unit, term(term_k)%unit, term(3)%unit, &
                       time_unit(record))

@@ -42,7 +42,8 @@ contains
             text = "drifts: "//trim(verdict%trend%shape)//" and random walk"
          case ("random_walk_or_trend"); text = "drifts: random walk or ramp"
          case ("unit_root"); text = "drifts: unit root not rejected"
-         case default; text = "not described"
+         case default
+            text = merge("not described", "constant     ", channel%raw%variance > 0.0_dp)
          end select
          if (verdict%stationary .and. level_changes(channel)) text = trim(text)//", level changes"
       end associate
