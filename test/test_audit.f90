@@ -4,10 +4,11 @@ module test_audit
    use expectations, only : unmet, test, error, check, went_wrong
    use gyroakf_kinds, only : dp, int8, int64
    use gyroakf_error, only : gyro_error => error_type
-   use gyroakf_io_audit, only : audit_stamps, audit_values, gap_type
+   use gyroakf_io_audit, only : audit_stamps, gap_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_io_left_out_rows, only : leave_rows_out, place_with
    use gyroakf_io_reader, only : reader_options
+   use gyroakf_io_standstill, only : find_still
    use gyroakf_record, only : audit_type, record_type
    use scratch_file, only : read_content
    use, intrinsic :: ieee_arithmetic, only : ieee_quiet_nan, ieee_value
@@ -337,10 +338,10 @@ contains
    integer(int64) function place_of(value, marks)
       real(dp), intent(in), contiguous :: value(:, :)
       integer(int8), allocatable, intent(in) :: marks(:, :)
-      type(audit_type) :: audit
+      integer(int64) :: still(2)
 
-      call audit_values(value, marks, audit, failed)
-      place_of = audit%still(1)
+      call find_still(value, marks, still)
+      place_of = still(1)
    end function place_of
 
 end module test_audit

@@ -79,6 +79,7 @@ contains
             call freeze_filter(filter, m == 300)
             call save_filter(filter, word, failed)
             if (went_wrong(failed)) return
+            call check(error, size(word), merge(67 + kind, 42 + filter%order*(filter%order + 4), kind > 4), "words")
             call restore_filter(word, other, failed)
             if (went_wrong(failed)) return
             call run_filter(filter, z(m + 1:), x(m + 1:))

@@ -318,7 +318,7 @@ contains
       call check(error, channels(record)//units_of(record), "temperature gx ? rad/s ", more="both")
       values = shown("t temperature[degC]"//nl//"0 20"//nl//"1 21", reader_options(), record)
       call check(error, channels(record), "temperature ", more="nothing else")
-      values = shown("t gx[rad/s] TAcc Tgyro"//nl//"0 1 20 30"//nl//"1 3 21 31", reader_options(), record)
+      values = shown("t gx[rad/s] TAcc TGyro"//nl//"0 1 20 30"//nl//"1 3 21 31", reader_options(), record)
       call check(error, channels(record), "gx ", more="the temperature of a sensor")
    end subroutine test_temperature
 

@@ -136,6 +136,8 @@ contains
 
    subroutine table()
       type(summary_row_type) :: rows(2)
+      type(record_type) :: record
+      type(pipeline_result_type) :: result
       type(writer_type) :: writer
       character(:), allocatable :: text
 
@@ -146,6 +148,17 @@ contains
       call check(error, index(text, "  file") == 1 .and. index(text, " deg/sqrt(h)") > 0, text)
       call check(error, index(text, "  a.txt gx *  0.948 +/- 0.012 ") > 0, text)
       call check(error, index(text, "  2 files, 1 failure; *: warnings"//nl) > 0, text)
+      ! a channel that does not vary stands in the same table
+      call make_record(record, .true.)
+      call make_result(record, result)
+      result%channel(1)%allan(1)%fitted = .false.
+      call summarize("run", "tau", "", record, rows(2), result)
+      call begin_text(writer)
+      writer%unicode = .true.
+      call write_summary_table(writer, rows)
+      call end_text(writer, text)
+      call check(error, index(text, "deg/√h") > 0 .and. index(text, "deg/√h") == index(text, "deg/√h", back=.true.), text)
+      call check(error, index(text, nl//"  tau gx *") > 0, text)
    end subroutine table
 
    subroutine long_names()

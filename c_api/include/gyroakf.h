@@ -358,7 +358,7 @@ typedef struct gyroakf_noise {
   double floor;          /* relative departure of the variances from the terms, 0 where chance explains it */
   double kurtosis;       /* excess kurtosis of the white noise per sample, 0 where it is not significant */
   gyroakf_coefficient n_unquantized; /* sqrt(n^2 - lsb^2 dt/12); fitted 0 where lsb is of no account, or above 2 deviations */
-  double lsb_ratio;      /* lsb over the standard deviation of the noise */
+  double lsb_ratio;      /* lsb over the standard deviation of the noise; DBL_MAX: no noise beside rounding */
 } gyroakf_noise;
 
 /*

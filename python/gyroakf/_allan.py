@@ -78,7 +78,8 @@ class NoiseFit(Result):
     n_unquantized : Coefficient
         N without the rounding of the samples to `lsb`.
     lsb_ratio : float
-        `lsb` over the standard deviation of the noise.
+        `lsb` over the standard deviation of the noise; the largest float where rounding alone
+        explains the differences.
     """
 
     q: Coefficient

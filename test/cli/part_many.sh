@@ -29,6 +29,9 @@ for command in run allan tests ar filter inspect; do
    is "$command: lines of summary.csv" "$(wc -l <many_$command/summary.csv)" 6
    is "$command: columns of summary.csv" "$(awk -F, '{ print NF }' <(grep -v '"' many_$command/summary.csv) | sort -u)" 50
 done
+good "rows in order" inspect many/f1.txt many/two.csv many/sub/f2.csv many/f2.txt
+is "rows of files and channels" "$(awk '/^  many/ { print $1, $2 }' out | tr '\n' ' ')" \
+   "many/f1.txt gx many/two.csv a many/two.csv b many/sub/f2.csv gx many/f2.txt gx "
 good "summary as JSON" tests many/f1.txt many/f2.txt --json -
 is "standard output is the document" "$(head -c 1 out)" "{"
 good "summary as a JSON file" tests many/f1.txt many/f2.txt --json tests.json --quiet

@@ -16,6 +16,7 @@ is "no record without its drift" "$(ls t2.txt 2>/dev/null)" ""
 good "filter" filter t.txt --truth t_drift.txt
 is "RMSE of every filter" "$(awk '/innovations$/ { at = index($0, "RMSE") } /^  ((drift )?A?KF|smoother)/ && substr($0, at - 4, 8) ~ /0\.0/' out | wc -l)" 5
 holds "its unit" "variance ratio DC gain RMSE innovations" out
+is "the unit of the RMSE" "$(grep -c '^ *(deg/s)^2  *deg/s$' out)" 1
 holds "its samples" "RMSE: against the true drift, over 6000 samples" out
 is "no line beyond the width" "$(awk 'length > 80' out)" ""
 good "filter without a truth" filter t.txt

@@ -25,7 +25,8 @@ module gyroakf_allan_fit_statement
       real(dp) :: value = 0.0_dp, std_error = 0.0_dp
       !> One-sided limit: the true value is below it in at least 95 % of records
       real(dp) :: upper_limit = 0.0_dp
-      !> The value is stated: no set of terms without this one describes the curve as well
+      !> The value is stated: no set of terms without this one describes the curve as well, and the
+      !> value is twice its error or more where errors are increased
       logical :: detected = .false.
       !> There is a value or a limit; false where the term was not asked for, or is withheld
       logical :: fitted = .false.
@@ -185,7 +186,7 @@ contains
       real(dp) :: before, square, deviation
 
       before = estimate%scale - options%lsb**2/12
-      noise%lsb_ratio = huge(1.0_dp)                      ! rounding alone has that variance
+      noise%lsb_ratio = huge(1.0_dp)                  ! rounding alone explains the differences
       if (before > 0) noise%lsb_ratio = options%lsb/sqrt(before)
       associate (n => noise%coefficient(term_white), c => noise%unquantized)
          if (noise%lsb_ratio < options%lsb_range(1) .or. .not. n%detected) return

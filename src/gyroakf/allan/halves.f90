@@ -241,8 +241,8 @@ contains
       place = pack([(i, i=1, size(m))], minval(edf, dim=2) >= options%least_edf)
       if (size(place) == 0) then
          call fatal_error(error, status%too_few_samples, &
-            & "the halves have too few degrees of freedom to be compared: they are short, "// &
-            & "lack much, or a few large values make up their variance")
+            & "the halves of the record are too short to be compared, miss too many samples, "// &
+            & "or are dominated by a few large values")
          return
       end if
       edf = edf/2

@@ -48,7 +48,7 @@ contains
    subroutine save_filter(filter, word, error)
       !> Made by new_filter or new_drift_filter
       class(filter_type), intent(in) :: filter
-      !> Its words: [42 + p (p + 4)], of n processes [75 + n]
+      !> Its words: [42 + p (p + 4)], of n processes [71 + n]
       integer(int64), allocatable, intent(out) :: word(:)
       !> invalid_argument (a filter that was never made), no_memory
       type(error_type), allocatable, intent(out) :: error

@@ -11,7 +11,6 @@ module gyroakf_io_audit
    use gyroakf_io_cadence, only : cadence_type, count_bursts, find_cadence, new_steps, steps_type
    use gyroakf_io_losses, only : add_gap, explain_losses, find_losses, gap_type
    use gyroakf_io_rate_changes, only : find_changes
-   use gyroakf_io_standstill, only : find_still
    use gyroakf_record, only : audit_type
    implicit none (type, external)
    private
@@ -237,8 +236,7 @@ contains
       if (t(n) > t(middle)) audit%rate_second = real(at - middle_at, dp)/(t(n) - t(middle))
    end subroutine measure_jitter
 
-   !> Counts what is missing; extremes and the smallest non-zero step of every channel; where none
-   !> changes.
+   !> Counts what is missing; extremes and the smallest non-zero step of every channel.
    subroutine audit_values(value, present_mask, audit, error, progress)
       !> [sample, channel]
       real(dp), intent(in), contiguous :: value(:, :)
@@ -267,7 +265,6 @@ contains
                audit%quantization(j))
          end if
       end do
-      call find_still(value, present_mask, audit%still)
    end subroutine audit_values
 
 end module gyroakf_io_audit

@@ -17,8 +17,10 @@ module gyroakf_io_findings
 contains
 
    !> Lines of what is odd, and the warnings about it.
-   subroutine add_findings(table, record)
+   subroutine add_findings(table, from, record)
       type(table_type), intent(in) :: table
+      !> Where the record begins, s from the first row
+      real(dp), intent(in) :: from
       type(record_type), intent(inout) :: record
       character(13), parameter :: what(3) = [character(13) :: "equal stamp", "backward step", "gap"]
       integer(int64) :: count(3)
@@ -60,14 +62,14 @@ contains
          call add_text(record%warnings, "the time stamps are up to "// &
             format_real(record%audit%jitter_max, 3)// &
             " s away from an even grid; the samples are taken as evenly spaced at the mean "// &
-            "rate"//trim(merge(": `resample` nearest places them by their time stamps ", &
-            ": where they came several at once the stamps tell less", &
+            "rate"//trim(merge(": `resample` nearest places them by their time stamps  ", &
+            "; in bursts they are those of delivery, not of sampling", &
             record%audit%bursts == 0)))
       end if
-      if (record%audit%still(1) > 0) call add_text(record%warnings, "no channel changes from "// &
-         trim(moment(record, record%audit%still(1)))//" to "// &
-         trim(moment(record, record%audit%still(2)))// &
-         ": the sensor hung, or the file was filled up; `from` and `to` select a part without it")
+      if (record%audit%still(1) > 0) call add_text(record%warnings, &
+         "the values do not change from "//trim(moment(record%audit%still(1)))//" to "// &
+         trim(moment(record%audit%still(2)))// &
+         ": the sensor hung, or the file was padded; `from` and `to` select a part without it")
       if (table%headings > 0) call add_text(record%warnings, counted(table%headings, "line")// &
          trim(merge(" repeats", " repeat ", table%headings == 1))// &
          " the names of the columns, as in files that were put behind one another: left out; "// &
@@ -75,6 +77,18 @@ contains
       if (table%bad_lines > 0) call add_text(record%warnings, counted(table%bad_lines, "line")// &
          " could not be read and "//trim(merge("counts", "count ", table%bad_lines == 1))// &
          " as missing; the first is line "//integer_text(table%first_bad_line))
+
+   contains
+
+      !> "59.8 s", "sample 71762": when a sample was taken.
+      character(40) function moment(sample) result(text)
+         integer(int64), intent(in) :: sample
+
+         text = "sample "//integer_text(sample)
+         if (record%rate_known) text = format_real(max(0.0_dp, from) &
+            + real(sample - 1, dp)*record%sample_interval, 7)//" s"
+      end function moment
+
    end subroutine add_findings
 
    !> Double steps at even distances: two sample rates, one with lost samples, explain the stamps.
@@ -106,16 +120,6 @@ contains
       placed = allocated(record%resample)
       if (placed) placed = record%resample /= "index"
    end function placed
-
-   !> "59.8 s", "sample 71762": when a sample was taken.
-   character(40) function moment(record, sample) result(text)
-      type(record_type), intent(in) :: record
-      integer(int64), intent(in) :: sample
-
-      text = "sample "//integer_text(sample)
-      if (record%rate_known) text = &
-         format_real(real(sample - 1, dp)*record%sample_interval, 7)//" s"
-   end function moment
 
    !> "1 row", "2 rows".
    pure function counted(number, noun) result(text)

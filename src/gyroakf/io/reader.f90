@@ -16,6 +16,7 @@ module gyroakf_io_reader
    use gyroakf_io_column_choice, only : list_left_out
    use gyroakf_io_lines, only : line_of
    use gyroakf_io_place, only : integer_text, line_error
+   use gyroakf_io_standstill, only : find_still
    use gyroakf_io_shape, only : cut, largest_value, make_rates, mark_missing, refuse_tiny, &
       warn_of_wraps, wrap_of
    use gyroakf_io_store, only : take_columns
@@ -101,7 +102,9 @@ contains
          if (.not. allocated(error)) call audit_values(record%value, record%present, record%audit, &
             error, progress)
          if (.not. allocated(error)) call refuse_tiny(record, error)
-         if (.not. allocated(error)) call add_findings(table, record)
+         if (allocated(error)) return
+         call find_still(record%value, record%present, record%audit%still)
+         call add_findings(table, options%from, record)
       end associate
    end subroutine complete_record
 

@@ -251,10 +251,12 @@ contains
       integer, intent(in), optional :: channels
       integer(int64) :: row_bytes, fixed, columns
 
-      columns = size(recording%table%chosen)
-      if (present(channels)) columns = channels
-      row_bytes = columns*(value_bytes + options%channel_bytes) &
-                + max(options%work_bytes, merge(stamp_bytes, 0_int64, recording%table%time > 0))
+      associate (table => recording%table)
+         columns = size(table%chosen) - merge(1, 0, table%with_first)
+         if (present(channels)) columns = channels
+         row_bytes = columns*(value_bytes + options%channel_bytes) + max(options%work_bytes, &
+            merge(stamp_bytes, 0_int64, table%time > 0 .or. table%with_first))
+      end associate
       fixed = base_bytes + min(rows, options%part_samples)*options%part_bytes
       bytes = huge(bytes)
       if (rows < (huge(bytes) - fixed)/row_bytes) bytes = fixed + rows*row_bytes

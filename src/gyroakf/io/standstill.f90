@@ -6,11 +6,11 @@ module gyroakf_io_standstill
    private
    public :: find_still
 
-   !> No channel changes for so many samples at least, so many times as long as chance explains, and
-   !> as anywhere else
+   !> Fewest samples of a stretch; its length over that of the next longest one, and over that which
+   !> chance explains
    integer(int64), parameter :: least_still = 20, next_factor = 2
    real(dp), parameter :: chance_factor = 5.0_dp
-   !> Rows that are looked at together
+   !> Rows of a block
    integer(int64), parameter :: block = 2048
 
 contains
@@ -73,12 +73,13 @@ contains
       end subroutine end_run
 
       !> Whether a channel changes from each row to the next.
-      pure logical function changes(first, last)
-         integer(int64), intent(in) :: first, last
+      pure logical function changes(from, to)
+         integer(int64), intent(in) :: from, to
          integer :: j
 
+         changes = .false.
          do j = 1, size(value, 2)
-            changes = minval(abs(value(first:last, j) - value(first - 1:last - 1, j))) > 0.0_dp
+            changes = minval(abs(value(from:to, j) - value(from - 1:to - 1, j))) > 0.0_dp
             if (changes) return
          end do
       end function changes

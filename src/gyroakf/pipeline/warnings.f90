@@ -25,7 +25,8 @@ module gyroakf_pipeline_warnings
    real(dp), parameter :: significant = 0.01_dp, negligible_rho = 0.05_dp
    !> A change between the halves is said where it is less probable by chance, and is a warning
    !> where it is larger than this
-   real(dp), parameter :: certain = 1e-3_dp, small_change = 0.03_dp
+   real(dp), parameter, public :: certain = 1e-3_dp
+   real(dp), parameter :: small_change = 0.03_dp
 
 contains
 
@@ -194,7 +195,8 @@ contains
       if (.not. channel%allan(stage%input)%fitted) return
       associate (noise => channel%allan(stage%input)%noise, &
                  deviation => channel%allan(stage%input)%curve%deviation)
-         if (minloc(deviation, dim=1) == 1 .and. size(deviation) > 1) call add_text( &
+         if (minloc(deviation, dim=1) == 1 .and. maxval(deviation) > 2*deviation(1) .and. &
+             noise%left_out == 0 .and. .not. noise%coefficient(2)%detected) call add_text( &
             channel%warnings, "the Allan deviation rises from its first averaging time on: "// &
             "the sensor moved, or drifts faster than its noise shows; N needs a record at rest")
          names = ""
@@ -205,7 +207,8 @@ contains
             " withheld: octaves "//integer_text(int(noise%left_out + 1, int64))//" to "// &
             integer_text(int(noise%left_out + noise%points, int64))//" of "// &
             integer_text(int(noise%left_out + noise%points + noise%cut_off, int64))// &
-            ", which the fit describes, do not show it", note=.true.)
+            ", which the fit describes, do not determine "// &
+            trim(merge("it  ", "them", len(names) == 3)), note=.true.)
          if (.not. noise%described) then
             call add_text(channel%warnings, "Allan deviation: "//not_described// &
                "; `tau_min` and `tau_max` fit a range")

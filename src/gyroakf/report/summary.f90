@@ -28,7 +28,7 @@ module gyroakf_report_summary
       integer :: code = 0
       !> What went wrong, "" where nothing did
       character(:), allocatable :: message
-      !> How many
+      !> How many warnings
       integer :: warnings = 0
       !> Names of the columns of summary.csv, and its lines, each with its line feed
       character(:), allocatable :: csv_head, csv
@@ -152,7 +152,8 @@ contains
             if_known(row%warnings > 0, " *")
          table%caption = ""                                 ! by which equal heads are found
          do i = 1, size(table%cell, 2)
-            table%caption = table%caption//table%cell(1, i)%text//table%cell(table%head, i)%text
+            table%caption = table%caption//"|"//table%cell(1, i)%text//"|"// &
+               table%cell(table%head, i)%text
          end do
       end subroutine make_table
 
@@ -200,7 +201,7 @@ contains
       call json%close()
    end subroutine write_summary_json
 
-   !> The rows of all files, a table for each unit, and what is to be said of files.
+   !> The rows of all files, a table for each unit; how many files, failures, and warnings.
    subroutine write_summary_table(writer, rows)
       !> Open
       type(writer_type), intent(inout) :: writer
@@ -235,7 +236,7 @@ contains
    !> The tables of all files; those with the same head become one.
    subroutine join_tables(rows, table, n)
       type(summary_row_type), intent(in) :: rows(:)
-      !> The first n count
+      !> Allocated for more; n are filled
       type(table_type), allocatable, intent(out) :: table(:)
       integer, intent(out) :: n
       integer :: i, c, k, row

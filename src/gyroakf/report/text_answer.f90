@@ -3,6 +3,7 @@
 !> it.
 module gyroakf_report_text_answer
    use gyroakf_kinds, only : dp
+   use gyroakf_coefficient_units, only : coefficient_unit, coefficient_unit_type
    use gyroakf_io_writer, only : writer_type, put_line
    use gyroakf_record, only : record_type, text_type, view_channel
    use gyroakf_pipeline_result, only : allan_result_type, channel_result_type, &
@@ -133,16 +134,16 @@ contains
       type(record_type), intent(in) :: record
       type(channel_result_type), intent(in) :: channel(:)
       type(table_type), intent(out) :: table
+      type(coefficient_unit_type) :: unit(term_n:term_k)
       integer :: c
 
+      do c = term_n, term_k
+         unit(c) = coefficient_unit(record%unit, c, .not. record%rate_known)
+      end do
       call new_table(table, 8, head=2)
       call add_row(table, "", "mean", "N", "B", "K", "minimum", "at tau", "noise")
-      c = max(1, findloc([(channel(c)%allan(stage%input)%fitted, c=1, size(channel))], .true., 1))
-      associate (term => channel(c)%allan(stage%input)%stated%term)
-         call add_row(table, "", if_known(has_unit(record), unit_name(record)), &
-                      term(term_n)%unit, term(3)%unit, term(term_k)%unit, term(3)%unit, &
-                      time_unit(record))
-      end associate
+      call add_row(table, "", if_known(has_unit(record), unit_name(record)), unit(term_n)%name, &
+                   unit(3)%name, unit(term_k)%name, unit(3)%name, time_unit(record))
       do c = 1, size(channel)
          call add_series(channel(c)%name, channel(c)%raw%mean, channel(c)%allan(stage%input))
          call add_cell(table, trim(verdict_text(channel(c))))

@@ -225,8 +225,7 @@ contains
          call make_filter_table(record, channel, full)
          call new_table(table, 7, head=full%head)
          do i = 1, size(full%cell, 1)
-            which = maxloc(merge(1, 0, shown == full%cell(i, 1)%text), dim=1)
-            if (shown(which) /= full%cell(i, 1)%text) which = 0
+            which = findloc(shown == full%cell(i, 1)%text, .true., dim=1)
             if (i > full%head .and. which == 0) cycle
             associate (cell => full%cell(i, :))
                call add_row(table, cell(1)%text, cell(3)%text, cell(4)%text, &

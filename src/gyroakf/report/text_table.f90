@@ -124,6 +124,7 @@ contains
       shown = table
       do j = 1, merge(size(shown%cell, 2), 0, writer%unicode .and. .not. present(verbatim))
          do i = 1, size(shown%cell, 1)
+            if (j == 1 .and. i > shown%head .and. shown%left > 0) exit          ! names of a user
             shown%cell(i, j)%text = to_unicode(table%cell(i, j)%text)
          end do
       end do

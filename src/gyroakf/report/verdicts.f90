@@ -6,7 +6,7 @@ module gyroakf_report_verdicts
    use gyroakf_allan_deviations, only : allan_curve_type
    use gyroakf_io_decimal, only : format_real
    use gyroakf_pipeline_result, only : channel_result_type
-   use gyroakf_pipeline_warnings, only : negligible_rho
+   use gyroakf_pipeline_warnings, only : certain, negligible_rho
    use gyroakf_stats_whiteness, only : ljung_box_type
    implicit none (type, external)
    private
@@ -17,15 +17,15 @@ module gyroakf_report_verdicts
    real(dp), parameter :: level = 0.05_dp
    !> No verdict is longer
    integer, parameter :: remark_length = 500
-   !> A change of the noise from the first to the second half is a part of the verdict where it is
-   !> less probable by chance, and larger
-   real(dp), parameter :: certain = 1e-3_dp, large_change = 0.2_dp
+   !> A change of the noise from the first to the second half is a part of the verdict where the
+   !> logarithm of the ratio of the deviations is larger
+   real(dp), parameter :: large_change = 0.2_dp
    !> Fewer periods in a record are drift
    integer(int64), parameter :: fewest_periods = 5_int64
 
 contains
 
-   !> "stationary, flicker", "stationary, level changes", "drifts: random walk".
+   !> "stationary, flicker", "stationary, variance changes", "drifts: random walk".
    pure function verdict_text(channel) result(text)
       !> With its verdict
       type(channel_result_type), intent(in) :: channel
@@ -45,18 +45,19 @@ contains
          case default
             text = merge("not described", "constant     ", channel%raw%variance > 0.0_dp)
          end select
-         if (verdict%stationary .and. level_changes(channel)) text = trim(text)//", level changes"
+         if (verdict%stationary .and. variance_changes(channel)) text = &
+            trim(text)//", variance changes"
       end associate
    end function verdict_text
 
    !> Whether the noise of the second half is clearly larger or smaller than that of the first.
-   pure logical function level_changes(channel)
+   pure logical function variance_changes(channel)
       type(channel_result_type), intent(in) :: channel
 
-      level_changes = channel%available%halves .and. channel%halves%p_value < certain
-      if (level_changes) level_changes = abs(log(channel%halves%ratio( &
+      variance_changes = channel%available%halves .and. channel%halves%p_value < certain
+      if (variance_changes) variance_changes = abs(log(channel%halves%ratio( &
          maxloc(abs(channel%halves%score), dim=1)))) > large_change
-   end function level_changes
+   end function variance_changes
 
    !> "unit root rejected at 5 %".
    pure function rejection_text(hypothesis, rejected) result(text)
